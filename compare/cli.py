@@ -21,7 +21,7 @@ from cyclopts import App, CycloptsError, Group
 from rollbench.compare.commands.terminal import app
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.running import clear_progress_line
-from rollbench.compare.text.printing import OutputLost, guard_standard_output
+from rollbench.compare.text.printing import StandardOutputError, guard_standard_output
 from rollbench.meshes.processes import limit_to_one_thread
 
 #: Largest time [s] to wait, after an interrupt, for threads that clean up after parallel workers.
@@ -147,7 +147,7 @@ def _raise_terminated(_number: int, _frame: FrameType | None) -> None:
 
 
 @contextmanager
-def _term_as_interrupt() -> Iterator[None]:
+def _treat_term_signal_as_interrupt() -> Iterator[None]:
     """Handle the signal TERM like an interrupt from the keyboard inside the ``with`` block; only in the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -178,7 +178,7 @@ def _wait_for_threads() -> None:
             thread.join(max(until - time.monotonic(), 0.0))
 
 
-@_term_as_interrupt()
+@_treat_term_signal_as_interrupt()
 def main(tokens: list[str] | None = None) -> None:
     """Run a command with the arguments ``tokens`` (None: those of the process), and exit.
 
@@ -228,7 +228,7 @@ def main(tokens: list[str] | None = None) -> None:
             _discard_standard_output()
             sys.exit(141)
         raise
-    except OutputLost as error:
+    except StandardOutputError as error:
         _discard_standard_output()
         _print_to_stderr((f"standard output: {error}",))
         sys.exit(74)

@@ -125,7 +125,7 @@ class ArgumentError(InputError):
         self.args = (argument, value, allowed, advice, file)
 
 
-class Refusal(InputError):
+class SceneNotCoveredError(InputError):
     """Error for a scene that a model does not cover.
 
     Parameters
@@ -151,14 +151,14 @@ class Refusal(InputError):
         return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
 
 
-class ProgramError(Refusal):
+class ProgramError(SceneNotCoveredError):
     """Error for an external program, used as the model, that failed; the message has its reason and last output."""
 
     code = 1
 
 
 @contextmanager
-def name_file_in_refusals(name: str, origin: str) -> Iterator[None]:
+def show_file_in_scene_errors(name: str, origin: str) -> Iterator[None]:
     """Replace the scene's name by its file in the message of every `Refusal` that is raised inside the ``with`` block.
 
     Parameters
@@ -170,10 +170,10 @@ def name_file_in_refusals(name: str, origin: str) -> Iterator[None]:
     """
     try:
         yield
-    except Refusal as error:
+    except SceneNotCoveredError as error:
         if error.file != name or origin == name:
             raise
-        raise Refusal(origin, error.key, error.value, error.advice) from error
+        raise SceneNotCoveredError(origin, error.key, error.value, error.advice) from error
 
 
 #: Largest number of faults that are listed for a file.

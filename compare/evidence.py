@@ -21,47 +21,55 @@ from rollbench.compare import files
 from rollbench.compare.case import Case, all_cases, case_files_named
 from rollbench.compare.errors import InputError
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import KINDS, VERDICTS, Printed, Verdict, load_table, printed_table_names, printed_value
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import (
+    KINDS,
+    VERDICTS,
+    PrintedEntry,
+    Verdict,
+    load_printed_table,
+    printed_table_names,
+    printed_value,
+)
 
 
 @dataclass(frozen=True)
-class Evidence:
+class PrintedEntryComparison:
     """One number or claim that a publication prints, with the values computed for it and the resulting verdict."""
 
     #: The printed number or claim.
-    printed: Printed
+    printed: PrintedEntry
     #: Value computed correctly, in the printed unit.
     value: float | None = None
     #: Value computed with the publication's mistakes repeated.
     as_printed: float | None = None
     #: Value computed under an assumption that was inferred from the printed results; its agreement with them confirms
     #: nothing.
-    reading: float | None = None
+    value_by_inferred_assumption: float | None = None
     #: Value by the 3D reference.
     reference: float | None = None
     #: Whether a claim is true; None for a number.
-    holds: bool | None = None
+    claim_is_true: bool | None = None
     #: Text with the numbers that support or contradict a claim, or a remark on a number.
-    words: str = ""
+    remark: str = ""
 
     @property
-    def compared(self) -> float | None:
+    def compared_value(self) -> float | None:
         """Computed value that is compared with the printed number: with or without the mistakes of the publication.
 
         It is the value with the mistakes for a number of class "as-printed", else the correct value.
         """
-        return self.as_printed if self.printed.cls == "as-printed" else self.value
+        return self.as_printed if self.printed.entry_class == "as-printed" else self.value
 
     @property
     def error_percent(self) -> float | None:
         """Error of the computed value against the printed number [%]; None if there is no value or no number."""
-        return self._against_printed(self.compared)
+        return self._against_printed(self.compared_value)
 
     @property
     def reading_error_percent(self) -> float | None:
         """Error against the printed number [%] of the value that was computed under an inferred assumption."""
-        return self._against_printed(self.reading)
+        return self._against_printed(self.value_by_inferred_assumption)
 
     def _against_printed(self, value: float | None) -> float | None:
         """Return the error of a value against the printed number [%]; None if one is missing or the number is zero."""
@@ -71,50 +79,50 @@ class Evidence:
         return percent if np.isfinite(percent) else None  # an error relative to zero is not defined
 
     @property
-    def agrees(self) -> bool | None:
+    def agrees_with_printed(self) -> bool | None:
         """Whether the computed value agrees with the printed number, or whether a claim is true; None if not computed."""
         p = self.printed
         if p.value is None:
-            return self.holds
-        if self.compared is None:
+            return self.claim_is_true
+        if self.compared_value is None:
             return None
         if p.low is not None and p.high is not None:
-            return p.low <= self.compared <= p.high
+            return p.low <= self.compared_value <= p.high
         # half a unit of the last digit, with the round-off of a decimal number
-        return bool(abs(self.compared - p.value) <= p.tolerance * (1.0 + 1e-9))
+        return bool(abs(self.compared_value - p.value) <= p.tolerance * (1.0 + 1e-9))
 
     @property
     def verdict(self) -> Verdict:
         """Verdict on the printed number or claim, such as "reproduced" or "contradicted"."""
         p = self.printed
-        if p.cls == "open":
-            return "contradicted" if p.contradicted else "not identifiable"
-        if p.cls == "input":
-            return "contradicted" if self.agrees is False else "input"
-        if not self.agrees:
-            return "not identifiable" if self.agrees is None else "contradicted"
+        if p.entry_class == "open":
+            return "contradicted" if p.contradicting_statement else "not identifiable"
+        if p.entry_class == "input":
+            return "contradicted" if self.agrees_with_printed is False else "input"
+        if not self.agrees_with_printed:
+            return "not identifiable" if self.agrees_with_printed is None else "contradicted"
         if p.kind in ("arithmetic", "zero"):
             return "identity"
         by_class: dict[str, Verdict] = {"as-printed": "only as printed", "band": "band"}
-        return by_class.get(p.cls, "reproduced")
+        return by_class.get(p.entry_class, "reproduced")
 
     @property
     def reason(self) -> str:
         """Sentences that explain the verdict; empty if no explanation is needed."""
-        why = self.printed.contradicted
-        return join_remarks(why[:1].upper() + why[1:], join_remarks(self.printed.remark, self.words))
+        why = self.printed.contradicting_statement
+        return join_remarks(why[:1].upper() + why[1:], join_remarks(self.printed.remark, self.remark))
 
     @property
-    def change(self) -> str:
+    def verdict_change(self) -> str:
         """Text that states the expected and the actual verdict if they differ; otherwise empty."""
-        expected = self.printed.verdict
+        expected = self.printed.expected_verdict
         if expected == self.verdict:
             return ""
         wanted = "no expected verdict is stored" if expected is None else f"the expected verdict is {expected}"
         return f"{self.printed.name}: {wanted}, the actual verdict is {self.verdict}"
 
 
-class Findings:
+class ComputedEntryValues:
     """Values computed for the numbers and claims of one printed table, for comparison with them.
 
     A computation adds its values by the keys of the table.
@@ -134,7 +142,7 @@ class Findings:
 
     def __init__(self, table: str) -> None:
         """Read the numbers and claims of the printed table; InputError for an unknown table."""
-        self._entries = {row.key: Evidence(row) for row in load_table(table)}
+        self._entries = {row.key: PrintedEntryComparison(row) for row in load_printed_table(table)}
         self.table = table
 
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
@@ -143,7 +151,7 @@ class Findings:
             raise KeyError(f"printed table {self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
 
-    def number(
+    def add_number(
         self,
         key: str,
         value: float | None,
@@ -180,21 +188,21 @@ class Findings:
     def numbers(self, values: Mapping[str, float]) -> None:
         """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
         for key, value in values.items():
-            self.number(key, float(value))
+            self.add_number(key, float(value))
 
     def printed(self, key: str) -> float:
         """Return the printed number ``key``, for use in a computation; KeyError for a claim or an unknown key."""
         return printed_value(self.table, key)
 
-    def claim(self, key: str, holds: bool, words: str) -> None:
+    def add_claim(self, key: str, holds: bool, words: str) -> None:
         """Add whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
         self._set_fields(key, holds=bool(holds), words=words)
 
-    def remark(self, key: str, words: str) -> None:
+    def add_remark(self, key: str, words: str) -> None:
         """Add a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
         self._set_fields(key, words=words)
 
-    def evidence(self) -> tuple[Evidence, ...]:
+    def comparisons(self) -> tuple[PrintedEntryComparison, ...]:
         """Return every number and claim of the printed table with its computed values and verdict, in the table's order."""
         return tuple(self._entries.values())
 
@@ -217,7 +225,7 @@ Behind = tuple[str, ...] | str
 
 
 @dataclass(frozen=True)
-class Computation:
+class PrintedTableComputation:
     """How the values for one printed table are computed: by which function, from which scenes, asserted by which test."""
 
     #: Publication that prints the table.
@@ -225,60 +233,68 @@ class Computation:
     #: Name of the table.
     table: str
     #: Function ``module:name`` that computes the values; empty if nothing is computed.
-    computed_by: str
+    function_path: str
     #: Test file that asserts every number and claim of the table.
-    test: str
+    test_file: str
     #: Pairs of a pattern for keys of the table, and the scenes (or the reason for none) of all keys that match it. For a
     #: key, the first pattern that matches counts.
-    behind: tuple[tuple[str, Behind], ...]
+    scenes_or_reason_by_key_pattern: tuple[tuple[str, Behind], ...]
 
-    def compute(self, study: Study) -> tuple[Evidence, ...]:
+    def compute(self, cache: SceneResultCache) -> tuple[PrintedEntryComparison, ...]:
         """Compute the values for all numbers and claims of the printed table, and return both with verdicts.
 
-        ``study``: cache of computed values. InputError if the function that computes them cannot be imported.
+        ``cache``: cache of computed values. InputError if the function that computes them cannot be imported.
         """
-        if not self.computed_by:
-            return tuple(Evidence(row, words=self.origin(row)[1]) for row in load_table(self.table))
-        findings = Findings(self.table)
+        if not self.function_path:
+            return tuple(
+                PrintedEntryComparison(row, remark=self.scenes_or_reason(row)[1]) for row in load_printed_table(self.table)
+            )
+        findings = ComputedEntryValues(self.table)
         try:
-            function = self.case.import_object(self.computed_by)
+            function = self.case.import_object(self.function_path)
         except (ImportError, AttributeError) as error:
             place = f"{self.case.name}: computations.toml"
             allowed = f"module:function in {self.case.package}"
             raise InputError(place, self.table, str(error), allowed, "correct the name of the function") from error
-        function(findings, study)
-        return findings.evidence()
+        function(findings, cache)
+        return findings.comparisons()
 
     @property
     def function_name(self) -> str:
         """Name ``module:function`` of the function that computes the values; ``none`` if nothing is computed."""
-        return f"{self.case.package}.{self.computed_by}" if self.computed_by else "none"
+        return f"{self.case.package}.{self.function_path}" if self.function_path else "none"
 
     @property
     def scene_names(self) -> tuple[str, ...]:
         """Names of all scenes from which values for the printed table are computed, without repetition."""
-        return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
+        return tuple(
+            dict.fromkeys(
+                name for _, names in self.scenes_or_reason_by_key_pattern if not isinstance(names, str) for name in names
+            )
+        )
 
-    def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
+    def scenes_or_reason(self, row: PrintedEntry) -> tuple[tuple[str, ...], str]:
         """Return the names of the scenes from which the value for a printed entry is computed, or the reason for none.
 
         ``row``: the printed number or claim. The names are empty if no scene is used; the reason is empty if one is used.
         """
-        origin = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
+        origin = next(
+            (behind for pattern, behind in self.scenes_or_reason_by_key_pattern if fnmatchcase(row.key, pattern)), ""
+        )
         if not isinstance(origin, str) and origin:
             return origin, ""
-        if not self.computed_by:
+        if not self.function_path:
             return (), str(origin)
         return (), KINDS[row.kind] if row.kind in ("input", "arithmetic") else str(origin or "")
 
 
 @cache
-def all_computations() -> dict[str, Computation]:
+def all_computations() -> dict[str, PrintedTableComputation]:
     """Return how the values for each printed table of all publications are computed, by the name of the table.
 
     InputError if a file `computations.toml` cannot be read, misses a printed table, or names a table that does not exist.
     """
-    out: dict[str, Computation] = {}
+    out: dict[str, PrintedTableComputation] = {}
     for case in all_cases():
         path = case.folder / "computations.toml"
         try:
@@ -292,22 +308,22 @@ def all_computations() -> dict[str, Computation]:
             raise InputError(str(path), table, value, f"one table [NAME] for each of {', '.join(printed)}", advice)
         for table, keys in described.items():
             behind = tuple((pattern, x if isinstance(x, str) else tuple(x)) for pattern, x in keys["behind"].items())
-            out[table] = Computation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
+            out[table] = PrintedTableComputation(case, table, keys.get("function", ""), keys.get("test", ""), behind)
     return out
 
 
 @cache
-def computations_with_function() -> dict[str, Computation]:
+def computations_with_function() -> dict[str, PrintedTableComputation]:
     """Return the computations by name of the printed table, without tables for which nothing is computed."""
-    return {name: one for name, one in all_computations().items() if one.computed_by}
+    return {name: one for name, one in all_computations().items() if one.function_path}
 
 
-def evidence(study: Study, *names: str) -> list[Evidence]:
+def evidence(cache: SceneResultCache, *names: str) -> list[PrintedEntryComparison]:
     """Compute values for the numbers and claims of printed tables, and return each number or claim with its value.
 
     Parameters
     ----------
-    study
+    cache
         Cache in which computed values are stored, so that each table is computed once, and used scenes are recorded.
     *names
         Names of the tables; if none are given, all tables for which something is computed.
@@ -322,15 +338,15 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
     InputError
         If a table is unknown.
     """
-    found: list[Evidence] = []
+    found: list[PrintedEntryComparison] = []
     for name in names or computations_with_function():
         if name not in all_computations():
-            load_table(name)  # raises an error that lists the known tables
+            load_printed_table(name)  # raises an error that lists the known tables
         computation = all_computations()[name]
-        study.record_used_scenes(computation.scene_names)
-        if name not in study.evidence:
-            study.evidence[name] = computation.compute(study)
-        found += study.evidence[name]
+        cache.record_used_scenes(computation.scene_names)
+        if name not in cache.evidence_by_table:
+            cache.evidence_by_table[name] = computation.compute(cache)
+        found += cache.evidence_by_table[name]
     return found
 
 
@@ -356,17 +372,19 @@ class EntryOrigin:
     test: str
 
 
-def origins_of_entries(table: str = "") -> Iterator[EntryOrigin]:
+def computations_of_entries(table: str = "") -> Iterator[EntryOrigin]:
     """Yield, for every printed number and claim, how the value for it is computed; InputError for an unknown table.
 
     ``table``: name of the printed table; empty: all tables.
     """
     for name in [table] if table else printed_table_names():
-        rows, computation = load_table(name), all_computations()[name]
+        rows, computation = load_printed_table(name), all_computations()[name]
         for row in rows:
-            printed = row.claim or f"{row.printed} {row.unit}".rstrip()
-            test = f"{computation.test}::test_entry[{row.name}]" if computation.computed_by else ""
-            yield EntryOrigin(name, row.key, printed, row.cls, *computation.origin(row), computation.function_name, test)
+            printed = row.claim or f"{row.number_as_printed} {row.unit}".rstrip()
+            test = f"{computation.test_file}::test_entry[{row.name}]" if computation.function_path else ""
+            yield EntryOrigin(
+                name, row.key, printed, row.entry_class, *computation.scenes_or_reason(row), computation.function_name, test
+            )
 
 
 #: Verdicts on printed numbers that are counted separately, because they do not judge a model.
@@ -400,22 +418,22 @@ def publication_titles() -> list[str]:
     return [case.title for case in all_cases() if case.title]
 
 
-def evidence_of_all_tables(study: Study, *names: str) -> list[Evidence]:
+def evidence_of_all_tables(cache: SceneResultCache, *names: str) -> list[PrintedEntryComparison]:
     """Return the numbers and claims of printed tables with their computed values and verdicts.
 
-    ``study``: cache of computed values. ``names``: names of the tables.
+    ``cache``: cache of computed values. ``names``: names of the tables.
 
     Without names, all tables are returned, including those for which nothing is computed. InputError for an unknown table.
     """
-    return evidence(study, *(names or sorted(all_computations())))
+    return evidence(cache, *(names or sorted(all_computations())))
 
 
-def publication_title_of(entry: Printed) -> str:
+def publication_title_of(entry: PrintedEntry) -> str:
     """Return the title of the publication that prints a number or claim."""
     return all_computations()[entry.table].case.title
 
 
-def count_entries_by_verdict(rows: Sequence[Evidence]) -> list[dict[str, Any]]:
+def count_entries_by_verdict(rows: Sequence[PrintedEntryComparison]) -> list[dict[str, Any]]:
     """Count printed numbers and claims by publication and verdict.
 
     ``rows``: printed numbers and claims with their verdicts. Returned is a row for each publication, and a last one for all

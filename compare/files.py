@@ -31,7 +31,7 @@ def shipped_path(path: str) -> Path:
     return Path(str(resources.files("rollbench.compare").joinpath(*path.split("/"))))
 
 
-def text(path: str) -> str:
+def shipped_text(path: str) -> str:
     """Return the text of a file that is included with rollbench; ``path`` is relative to the folder `compare`."""
     return shipped_path(path).read_text(encoding="utf-8")
 
@@ -39,7 +39,7 @@ def text(path: str) -> str:
 @cache
 def read_shipped_toml(path: str) -> dict[str, Any]:
     """Return the contents of a built-in TOML file from a cache; callers must not change the returned dictionary."""
-    return tomllib.loads(text(path))
+    return tomllib.loads(shipped_text(path))
 
 
 #: Text that names the allowed encoding in error messages.
@@ -133,7 +133,7 @@ def similar_paths(path: Path, others: Iterable[str] = ()) -> str:
 
 
 @contextmanager
-def os_errors_as_input_errors(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
+def raise_input_error_if_not_writable(path: Path, allowed: str = "a folder that can be written to") -> Iterator[None]:
     """Raise InputError if the ``with`` block cannot write the file ``path``.
 
     ``allowed``: what is allowed, as text for the message.
@@ -148,11 +148,11 @@ def write_new_file(path: Path, text: str) -> None:
     """Write a text to a new file, completely or not at all; InputError if the file exists or cannot be written."""
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new file", "choose another name, or remove the file")
-    with os_errors_as_input_errors(path):
+    with raise_input_error_if_not_writable(path):
         name = temporary_path(path)
         file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
     try:
-        with os_errors_as_input_errors(path, "a file that can be written"):
+        with raise_input_error_if_not_writable(path, "a file that can be written"):
             with file:
                 file.write(text)
             os.link(name, path)
@@ -162,7 +162,7 @@ def write_new_file(path: Path, text: str) -> None:
 
 def replace_file(path: Path, text: str) -> None:
     """Write a text to a file, completely or not at all; an existing file is replaced. InputError if it is not writable."""
-    with os_errors_as_input_errors(path):
+    with raise_input_error_if_not_writable(path):
         create_folder_for_group(path.parent)
         name = temporary_path(path)
         try:
@@ -213,7 +213,7 @@ def check_writable(path: Path) -> None:
     """Raise InputError unless the file ``path`` can be written; called before the results for this file are computed."""
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file", "add the name of a file to the path")
-    with os_errors_as_input_errors(path):
+    with raise_input_error_if_not_writable(path):
         create_folder_for_group(path.parent)
         probe = temporary_path(path)
         probe.touch(exist_ok=False)

@@ -47,7 +47,7 @@ def error_percent(value: ArrayLike, reference: ArrayLike, scale: ArrayLike | Non
 SMALL = 0.1
 
 
-def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
+def load_scale_of_check_errors(reference: ArrayLike, mean: float) -> Array:
     """Return for each contact the load [N] by which `rollbench check` divides the error of the contact load.
 
     Parameters
@@ -64,7 +64,7 @@ def scale_of_gate_errors(reference: ArrayLike, mean: float) -> Array:
 
     Examples
     --------
-    >>> scale_of_gate_errors([150.0, 5.0], 100.0).tolist()
+    >>> load_scale_of_check_errors([150.0, 5.0], 100.0).tolist()
     [150.0, 100.0]
     """
     own = np.asarray(reference, float)
@@ -88,7 +88,7 @@ class LoadError:
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
     #: Largest error as `rollbench check` judges it, over all contacts with load in either distribution [% of the load by
-    #: `scale_of_gate_errors`].
+    #: `load_scale_of_check_errors`].
     gate_percent: float
 
 
@@ -130,11 +130,13 @@ def load_error(value: Array, reference: Array, contacts: int = 0) -> LoadError:
         own_rms_percent=float(np.sqrt((relative**2).mean())),
         ball=int(ball) + 1,
         side=SIDES[int(side)],
-        gate_percent=float(np.abs(error_percent(value, reference, scale_of_gate_errors(reference, mean))[either]).max()),
+        gate_percent=float(
+            np.abs(error_percent(value, reference, load_scale_of_check_errors(reference, mean))[either]).max()
+        ),
     )
 
 
-def loaded_contacts(load: Array) -> Mask:
+def mask_of_loaded_contacts(load: Array) -> Mask:
     """Return which contacts carry more than 1 % of the largest contact load.
 
     Parameters
@@ -170,7 +172,7 @@ def count_contacts(load: Array, contacts: int = 0) -> int:
     int
         ``contacts``, or the number of `loaded_contacts` if ``contacts`` is 0.
     """
-    return contacts or int(np.count_nonzero(loaded_contacts(load)))
+    return contacts or int(np.count_nonzero(mask_of_loaded_contacts(load)))
 
 
 def mean_load(load: Array, contacts: int = 0) -> float:

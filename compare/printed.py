@@ -65,7 +65,7 @@ _NUMBERS = ("tolerance", "low", "high")
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedEntry:
     """One number or claim that a publication prints, with its tolerance and the verdict that is expected for it."""
 
     #: Name of the printed table.
@@ -83,27 +83,27 @@ class Printed:
     #: Class: "hard" (must be reproduced), "as-printed" (reproduced only by repeating a mistake of the publication), "band"
     #: (must lie between ``low`` and ``high``), "open" (shown, but never a reason to fail a check) or "input" (input data
     #: that the publication states or that were inferred from it; nothing reproduces them).
-    cls: Class
+    entry_class: Class
     #: Absolute tolerance in ``unit``; half a unit of the last printed digit unless the table states another.
     tolerance: float
     #: Remark on the number or claim; may be empty.
     remark: str
     #: Number as printed.
-    printed: str = ""
+    number_as_printed: str = ""
     #: Lower end of the tolerance band; None: no band.
     low: float | None = None
     #: Upper end of the tolerance band; None: no band.
     high: float | None = None
     #: Sentence that states where the limits of the tolerance band come from.
-    origin: str = ""
+    origin_of_limits: str = ""
     #: Claim of the publication in words; empty for a number.
     claim: str = ""
     #: Kind of the number or claim, a key of `KINDS`.
     kind: Kind = "number"
     #: Expected verdict, a key of `VERDICTS`; None: no verdict is stored.
-    verdict: Verdict | None = None
+    expected_verdict: Verdict | None = None
     #: Sentence on the result or statement that contradicts a number or claim of class "open"; empty if nothing does.
-    contradicted: str = ""
+    contradicting_statement: str = ""
 
     @property
     def name(self) -> str:
@@ -117,7 +117,7 @@ def printed_table_names() -> list[str]:
 
 
 @cache
-def load_table(name: str) -> tuple[Printed, ...]:
+def load_printed_table(name: str) -> tuple[PrintedEntry, ...]:
     """Return the printed numbers and claims of the table ``name``, from a cache after the first call.
 
     InputError for an unknown table, or if a row of its file is not valid.
@@ -129,12 +129,12 @@ def load_table(name: str) -> tuple[Printed, ...]:
     return parse_printed_table(path.read_text(encoding="utf-8"), name)
 
 
-def printed_entry(table: str, key: str) -> Printed:
+def printed_entry(table: str, key: str) -> PrintedEntry:
     """Return the printed number or claim ``key`` of a table.
 
     InputError for an unknown table, KeyError for an unknown key.
     """
-    for row in load_table(table):
+    for row in load_printed_table(table):
         if row.key == key:
             return row
     raise KeyError(f"printed table {table}: no printed entry {key!r}")
@@ -151,7 +151,7 @@ def printed_value(table: str, key: str) -> float:
     return value
 
 
-def parse_printed_table(text: str, name: str) -> tuple[Printed, ...]:
+def parse_printed_table(text: str, name: str) -> tuple[PrintedEntry, ...]:
     """Read the numbers and claims of the printed table ``name`` from the TOML text of its file.
 
     The text has the keys ``title``, ``source`` (the publication) and ``place`` (its section or table), and a ``[[row]]``
@@ -187,7 +187,7 @@ def half_unit_of_last_digit(printed: str) -> float:
     return float(Decimal(5).scaleb(int(exponent) - 1))
 
 
-def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> Printed:
+def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int) -> PrintedEntry:
     """Convert the ``[[row]]`` of a printed table to a record; InputError if a key or value is not valid.
 
     ``table``: name of the table. ``data``: content of the whole file. ``raw``: the row. ``index``: its number, from 0.
@@ -259,24 +259,24 @@ def _parse_row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], inde
     kind = raw.get("kind", "input" if cls == "input" else "claim" if claim else "number")
     if "kind" in raw and (kind not in NAMED or claim or cls == "input"):
         raise refuse("kind", ", ".join(NAMED), "leave the key out for a claim or an input")
-    return Printed(
+    return PrintedEntry(
         table=table,
         key=raw["key"],
         label=raw["label"],
         value=value,
         unit=raw.get("unit", ""),
         place=", ".join(p for p in (source, place) if p),
-        cls=cast(Class, cls),
+        entry_class=cast(Class, cls),
         tolerance=float(tolerance),
         remark=raw.get("remark", ""),
-        printed=printed,
+        number_as_printed=printed,
         low=None if low is None else float(low),
         high=None if high is None else float(high),
-        origin=raw.get("origin", ""),
+        origin_of_limits=raw.get("origin", ""),
         claim=claim,
         kind=cast(Kind, kind),
-        verdict=raw.get("verdict"),
-        contradicted=raw.get("contradicted", ""),
+        expected_verdict=raw.get("verdict"),
+        contradicting_statement=raw.get("contradicted", ""),
     )
 
 

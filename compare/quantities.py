@@ -13,7 +13,7 @@ from functools import cache, reduce
 from typing import Any, NamedTuple
 
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
-from rollbench.reports.content import Quantity
+from rollbench.reports.content import TableColumn
 
 
 class Unit(NamedTuple):
@@ -80,7 +80,7 @@ def words_and_unit_of_key(key: str) -> tuple[str, str]:
 
 
 @cache
-def quantities_of_record(kind: type) -> dict[str, Quantity]:
+def quantities_of_record(kind: type) -> dict[str, TableColumn]:
     """Return the quantities that the fields of the record class ``kind`` define, by their JSON keys."""
     return {
         x.key: _quantity_of_field(name, x)
@@ -104,18 +104,18 @@ def heading_and_unit(stated: QuantityDescription) -> tuple[str, str]:
     return stated.heading or words.replace("_", " "), "" if unit is None else unit.text
 
 
-def _quantity_of_field(name: str, x: QuantityDescription) -> Quantity:
+def _quantity_of_field(name: str, description: QuantityDescription) -> TableColumn:
     """Return the quantity of a record's field: key, heading, unit, format, and function that gets its value for JSON.
 
-    ``name``: name of the field; ``x``: description of the quantity in this field.
+    ``name``: name of the field; ``description``: description of the quantity in this field.
     """
-    unit = _unit_of_dotted_key(x.key)[1]
+    unit = _unit_of_dotted_key(description.key)[1]
     factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
-        return _in_key_unit(x.shown(getattr(holder, name)), factor)
+        return _in_key_unit(description.shown(getattr(holder, name)), factor)
 
-    return Quantity(x.key, *heading_and_unit(x), x.form, value)
+    return TableColumn(description.key, *heading_and_unit(description), description.form, value)
 
 
 def record_as_json(instance: Any, *without: str) -> dict[str, Any] | None:

@@ -18,48 +18,48 @@ from skfem import Mesh, condense
 from skfem.models.poisson import mass
 
 from rollbench.hifi.bodies.coarse import (
-    BodyPiece,
-    Socket,
+    BodySocket,
+    ContactSubmodel,
+    all_freedoms_from_free_ones,
+    all_freedoms_with_rigid_end,
     assemble_body_stiffness,
-    assemble_modes_of_sockets,
-    contact_compliance_in_fine_piece,
+    assemble_mode_forces,
+    contact_compliance_in_fine_submodel,
+    contact_modes_of_patch,
     convert_mesh_order,
-    expansion_of_free_freedoms,
-    expansion_with_rigid_high_end,
-    freedoms_of_nodes,
-    isostatic_freedoms,
+    degrees_of_freedom_of_nodes,
     local_contact_compliance,
-    mode_compliance_in_coarse_piece,
-    reduce_socket_transfer_to_modes,
+    mode_compliance_in_coarse_submodel,
+    select_isostatic_freedoms,
 )
-from rollbench.hifi.bodies.grid_wave import GridWave, tabulate_gap_corrections
+from rollbench.hifi.bodies.grid_wave import GapCorrectionTable, tabulate_gap_corrections
 from rollbench.hifi.bodies.patch import CondensedPatch, condense_patch
 from rollbench.hifi.elements.forms import cell_basis
-from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions, rigid_motion_transfer_matrix
+from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions, rigid_motion_transfer_along_z
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import (
-    Meshes,
-    Sockets,
+    FlankSockets,
+    PartMeshes,
     ball_socket_and_map,
-    contacts_on_body,
-    element_order_of_bodies,
-    mesh_load_transfer_patch,
+    contact_normals_of_patch,
+    contact_positions_on_body,
+    element_type_of_bodies,
+    mesh_coarser_patch,
     mesh_patch,
-    patch_normals,
     rotation_about_z,
     sockets_at_contact_azimuths,
 )
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.hifi.shaft.mounting import Stretch
+from rollbench.hifi.shaft.mounting import MeshedShaftPart
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import BallBody, mesh_ball_with_sockets
-from rollbench.meshes.fem import freedoms_on_boundaries, node_coordinates, nodes_on_boundaries
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.ball_body import CoarseBallMesh, mesh_ball_with_refinement_boxes
+from rollbench.meshes.fem import degrees_of_freedom_on_boundaries, node_coordinates, nodes_on_boundaries
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import GroovedBody, mesh_grooved_body
+from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Material, Nut, Scene
-from rollbench.meshes.sockets import SocketMesh, axial_reach_of_sockets, points_in_reference_socket
+from rollbench.meshes.sockets import RefinementBoxFaces, axial_reach_of_refinement_boxes, points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import Dimensions
 
 #: Length of a submodel on either side of its socket, over the ball's radius, within which the coarse mesh's error decays.
@@ -69,29 +69,29 @@ BEYOND = 1.5
 #: flanks onto right ones.
 TURN = np.array([1.0, -1.0, -1.0])
 
-SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], Sockets, Settings]
+SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Material], FlankSockets, Settings]
 
 
 @dataclass(frozen=True)
-class SidePatches:
+class FlankPatches:
     """Condensed fine meshes (patches) of groove and ball at the contact on one flank, which are the same for all balls.
 
     Their contact nodes coincide.
     """
 
     #: Patch of the groove.
-    groove: CondensedPatch
+    groove_patch: CondensedPatch
     #: Patch of the ball.
-    ball: CondensedPatch
+    ball_patch: CondensedPatch
     #: Local compliance of the contact between groove and ball, less the part that the coarse bodies' modes represent,
     #: between its c pressure functions (basis functions of the contact pressure) ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
-    local: Array
+    local_compliance: Array
     #: Correction of the gap for the position of the contact's centre relative to the nodes of the mesh; None: none.
-    wave: GridWave | None
+    gap_correction: GapCorrectionTable | None
 
 
 def collect_flank_condensation_arguments(
-    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
+    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: PartMeshes, side: int, settings: Settings
 ) -> SideArguments:
     """Return the arguments of `condense_patches_of_flank`, in their order, for one flank of a ball screw or bearing.
 
@@ -100,17 +100,17 @@ def collect_flank_condensation_arguments(
     """
     part, inner = (scene.screw, dims.hole) if side < 2 else (scene.nut, dims.land)
     radii, materials = (inner, part.outer_diameter / 2.0), (part.material, scene.balls.material)
-    return m, side, radii, materials, meshes.sockets(side), settings
+    return m, side, radii, materials, meshes.sockets_of_flank(side), settings
 
 
 def condense_patches_of_flank(
     m: GrooveMap,
     side: int,
-    radii: tuple[float, float],
+    body_radii: tuple[float, float],
     materials: tuple[Material, Material],
-    sockets: Sockets,
+    sockets: FlankSockets,
     settings: Settings,
-) -> SidePatches:
+) -> FlankPatches:
     """Condense the fine meshes (patches) of groove and ball at one flank, and compute the local compliance of the contact.
 
     Parameters
@@ -119,7 +119,7 @@ def condense_patches_of_flank(
         Geometry of the track.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
-    radii : tuple[float, float]
+    body_radii : tuple[float, float]
         Inner and outer radius of the grooved body [m]: hole and outer radius of the screw, or land and outer radius of the
         nut.
     materials : tuple[Material, Material]
@@ -131,7 +131,7 @@ def condense_patches_of_flank(
 
     Returns
     -------
-    SidePatches
+    FlankPatches
         Condensed patches of groove and ball, and their local compliance.
 
     Raises
@@ -139,12 +139,12 @@ def condense_patches_of_flank(
     ValueError
         The contact nodes of both do not match, or a submodel cannot be meshed.
     """
-    groove_place = partial(points_in_reference_socket, m, sockets.size, side)
-    ball_socket, place = ball_socket_and_map(m, sockets.size, side, sockets.zone)
-    mesh = mesh_patch(sockets, sockets.groove, groove_place, settings)
-    ball_mesh = mesh_patch(sockets, sockets.ball, place, settings)
-    normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
-    ball_normals = patch_normals(ball_mesh, np.zeros(3))
+    groove_place = partial(points_in_box_at_azimuth_zero, m, sockets.socket_size, side)
+    ball_socket, place = ball_socket_and_map(m, sockets.socket_size, side, sockets.relative_zone_size)
+    mesh = mesh_patch(sockets, sockets.groove_socket, groove_place, settings)
+    ball_mesh = mesh_patch(sockets, sockets.ball_socket, place, settings)
+    normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
+    ball_normals = contact_normals_of_patch(ball_mesh, np.zeros(3))
     spread = float(np.abs(ball_normals - normals).max())
     if spread > 1e-9:
         raise ValueError(
@@ -153,31 +153,44 @@ def condense_patches_of_flank(
         )
     e, b = materials
     groove = condense_patch(
-        mesh, normals, *_elastic_constants(e), mesh_load_transfer_patch(sockets, sockets.groove, groove_place, settings)
+        mesh,
+        normals,
+        *_youngs_modulus_and_poissons_ratio(e),
+        mesh_coarser_patch(sockets, sockets.groove_socket, groove_place, settings),
     )
     ball = condense_patch(
-        ball_mesh, -normals, *_elastic_constants(b), mesh_load_transfer_patch(sockets, sockets.ball, place, settings)
+        ball_mesh,
+        -normals,
+        *_youngs_modulus_and_poissons_ratio(b),
+        mesh_coarser_patch(sockets, sockets.ball_socket, place, settings),
     )
     if settings.element == "P1":  # the mesh of Lin's thesis is not changed
-        return SidePatches(groove, ball, groove.A + ball.A, None)
-    fine = replace(sockets.size, cuts=settings.own_cuts)
+        return FlankPatches(groove, ball, groove.A + ball.A, None)
+    fine = replace(sockets.socket_size, edge_divisions=settings.own_cuts)
 
-    def groove_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
-        size, sizes = (sockets.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
-        half = max(axial_reach_of_sockets(m, sockets.size, (side,))) + BEYOND * m.ball
-        spec = BodySpec(
-            *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
+    def groove_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
+        size, sizes = (sockets.socket_size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
+        half = max(axial_reach_of_refinement_boxes(m, sockets.socket_size, (side,))) + BEYOND * m.ball
+        spec = GroovedBodySpec(
+            *body_radii,
+            m.z0 - half,
+            m.z0 + half,
+            side < 2,
+            ((m.phase, m.z0, side),),
+            size,
+            scale * sizes[0],
+            scale * sizes[1],
         )
-        body: GroovedBody = mesh_grooved_body(m, spec)
-        return BodyPiece(body.mesh, body.socket_nodes[0], rotation_about_z(m.phase), ("low end", "high end")), body.sockets[
-            side
-        ]
+        body: CoarseGroovedBodyMesh = mesh_grooved_body(m, spec)
+        return ContactSubmodel(
+            body.mesh, body.nodes_on_box_faces[0], rotation_about_z(m.phase), ("low end", "high end")
+        ), body.box_faces[side]
 
-    def ball_piece(scale: float, *, coarse: bool) -> tuple[BodyPiece, SocketMesh]:
+    def ball_piece(scale: float, *, coarse: bool) -> tuple[ContactSubmodel, RefinementBoxFaces]:
         sizes = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
-        cuts = sockets.size.cuts if coarse else settings.own_cuts
-        body = mesh_ball_with_sockets(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
-        return BodyPiece(body.mesh, body.socket_nodes[side], np.eye(3), ()), body.sockets[side]
+        cuts = sockets.socket_size.edge_divisions if coarse else settings.own_cuts
+        body = mesh_ball_with_refinement_boxes(m, (ball_socket,), scale * sizes[0], scale * sizes[1], cuts)
+        return ContactSubmodel(body.mesh, body.nodes_on_box_faces[side], np.eye(3), ()), body.box_faces[side]
 
     local, total = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, points_at, condensed, along, material, modes in (
@@ -185,27 +198,27 @@ def condense_patches_of_flank(
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
     ):
         piece, socket = piece_of(1.0, coarse=False)
-        C = contact_compliance_in_fine_piece(
-            piece, mesh_patch(sockets, socket, points_at, settings), along, *_elastic_constants(material)
+        C = contact_compliance_in_fine_submodel(
+            piece, mesh_patch(sockets, socket, points_at, settings), along, *_youngs_modulus_and_poissons_ratio(material)
         )
-        V, rows = reduce_socket_transfer_to_modes(condensed, modes)
+        V, rows = contact_modes_of_patch(condensed, modes)
 
         def coarse_response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
-            return mode_compliance_in_coarse_piece(
-                piece_of(scale, coarse=True)[0], condensed, rows, *_elastic_constants(material)
+            return mode_compliance_in_coarse_submodel(
+                piece_of(scale, coarse=True)[0], condensed, rows, *_youngs_modulus_and_poissons_ratio(material)
             )
 
         local += local_contact_compliance(C, V, coarse_response)
         total += C
-    return SidePatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, b))
+    return FlankPatches(groove, ball, local, tabulate_gap_corrections(m, side, groove, total, b))
 
 
-def _elastic_constants(material: Material) -> tuple[float, float]:
+def _youngs_modulus_and_poissons_ratio(material: Material) -> tuple[float, float]:
     """Return Young's modulus [Pa] and Poisson's ratio of a material."""
     return material.youngs_modulus, material.poissons_ratio
 
 
-def is_half_turn_of_left_flank(m: GrooveMap, side: int) -> bool:
+def is_left_flank_after_half_turn(m: GrooveMap, side: int) -> bool:
     """Return whether a flank is a right one that coincides with the left flank of its groove after a turn by 180 degrees.
 
     The axis of the turn is the radius through the ball's centre.
@@ -225,22 +238,22 @@ def is_half_turn_of_left_flank(m: GrooveMap, side: int) -> bool:
     return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
 
 
-def turn_patches_to_right_flank(patches: SidePatches) -> SidePatches:
+def turn_patches_to_right_flank(patches: FlankPatches) -> FlankPatches:
     """Turn the patches of a left flank by 180 degrees about the radius through the ball's centre, onto the right flank.
 
     The contact nodes are reordered, because the turn reverses azimuths.
 
     Parameters
     ----------
-    patches : SidePatches
+    patches : FlankPatches
         Patches of the left flank.
 
     Returns
     -------
-    SidePatches
+    FlankPatches
         Patches of the right flank.
     """
-    shape = patches.groove.shape
+    shape = patches.groove_patch.contact_grid_shape
     assert shape is not None  # a grid
     order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
 
@@ -251,18 +264,20 @@ def turn_patches_to_right_flank(patches: SidePatches) -> SidePatches:
             A=patch.A[np.ix_(order, order)],
             H=patch.H[order] * signs,
             S=patch.S * np.outer(signs, signs),
-            points=patch.points[order] * TURN,
+            contact_points=patch.contact_points[order] * TURN,
             normals=patch.normals[order] * TURN,
-            areas=patch.areas[order],
-            rim=patch.rim[order],
-            weights=patch.weights[order][:, order],
-            socket=patch.socket * TURN,
+            nodal_areas=patch.nodal_areas[order],
+            on_zone_edge=patch.on_zone_edge[order],
+            pressure_weights=patch.pressure_weights[order][:, order],
+            socket_points=patch.socket_points * TURN,
         )
 
-    wave = patches.wave
+    wave = patches.gap_correction
     if wave is not None:
-        wave = replace(wave, middle=wave.middle * TURN, directions=wave.directions * TURN)
-    return SidePatches(turn(patches.groove), turn(patches.ball), patches.local[np.ix_(order, order)], wave)
+        wave = replace(wave, middle_node=wave.middle_node * TURN, grid_directions=wave.grid_directions * TURN)
+    return FlankPatches(
+        turn(patches.groove_patch), turn(patches.ball_patch), patches.local_compliance[np.ix_(order, order)], wave
+    )
 
 
 #: Boundaries of the nut's mesh that are fixed, by ``Solid.nut_held``.
@@ -282,16 +297,16 @@ FIT = " and centring"
 SLICE, LEAST = 0.25, 30
 
 
-class ModalBody:
+class CondensedBody:
     """Base class of an elastic body condensed to displacement modes of its contacts, ordered by ball, then by flank."""
 
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
-    modes: dict[int, Array]
+    modes_by_flank: dict[int, Array]
 
     @property
     def modes_per_ball(self) -> int:
         """Number of displacement modes of this body at all contacts of one ball."""
-        return sum(V.shape[1] for V in self.modes.values())
+        return sum(V.shape[1] for V in self.modes_by_flank.values())
 
     def mode_indices_of_contact(self, side: int, ball: int = 0) -> Index:
         """Return the rows of the body's modal compliance matrix that belong to the displacement modes of one contact.
@@ -308,64 +323,64 @@ class ModalBody:
         (k,) Index
             Indices of the contact's k modes among the rows, and columns, of that matrix.
         """
-        before = sum(V.shape[1] for V in list(self.modes.values())[: list(self.modes).index(side)])
-        return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes[side].shape[1]))
+        before = sum(V.shape[1] for V in list(self.modes_by_flank.values())[: list(self.modes_by_flank).index(side)])
+        return np.asarray(ball * self.modes_per_ball + before + np.arange(self.modes_by_flank[side].shape[1]))
 
 
 @dataclass(frozen=True)
-class ScrewResponse(ModalBody):
+class CondensedScrew(CondensedBody):
     """Compliance of the part of the screw that is meshed in 3D, condensed to its contacts, upper end, supports and loads.
 
     In a `Setup` it is corrected for the effect of cutting the shaft at the ends of this part.
     """
 
     #: Flexibility of the stretch.
-    stretch: Stretch
+    stretch: MeshedShaftPart
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
-    modes: dict[int, Array]
+    modes_by_flank: dict[int, Array]
     #: Displacements of every contact's modes by unit rigid motions of the screw (translations and rotations about the
     #: contact's axial position) ``(contacts, k, 6)``.
-    rigid: Array
+    modes_by_rigid_motions: Array
     #: Degrees of freedom that were condensed.
-    unknowns: int
+    degree_of_freedom_count: int
 
     @property
     def G(self) -> Array:
         """Compliance matrix between the displacement modes of all contacts of the screw [m/N]."""
-        return self.stretch.F[: self.stretch.modes, : self.stretch.modes]
+        return self.stretch.F[: self.stretch.mode_count, : self.stretch.mode_count]
 
 
 @dataclass(frozen=True)
-class NutResponse(ModalBody):
+class CondensedNut(CondensedBody):
     """Compliance of the nut, condensed to displacement modes of its contacts and fixed where the scene says."""
 
     #: Compliance matrix between the modes of all contacts [m/N].
     G: Array
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
-    modes: dict[int, Array]
+    modes_by_flank: dict[int, Array]
     #: Number of degrees of freedom that were condensed.
-    unknowns: int
+    degree_of_freedom_count: int
     #: Displacements of the modes of all contacts by unit rigid motions of the nut (translations and rotations about the
     #: point z = 0 of the axis) ``(k, 6)``.
-    rigid: Array
+    modes_by_rigid_motions: Array
 
 
 @dataclass(frozen=True)
-class BallResponse(ModalBody):
+class CondensedBall(CondensedBody):
     """Compliance of one ball, condensed to displacement modes of its contacts, with its six rigid motions constrained."""
 
     #: Compliance matrix between the modes of its contacts, flank after flank [m/N].
     G: Array
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
-    modes: dict[int, Array]
+    modes_by_flank: dict[int, Array]
     #: Degrees of freedom that were condensed.
-    unknowns: int
+    degree_of_freedom_count: int
 
 
 def assemble_stiffness_and_contact_modes(
     material: Material,
     mesh: Mesh,
-    sockets: Sequence[Socket],
+    sockets: Sequence[BodySocket],
     patches: dict[int, CondensedPatch],
     count: int,
     settings: Settings,
@@ -397,17 +412,19 @@ def assemble_stiffness_and_contact_modes(
         For each flank, the modes V and their rows Q, both in the frame of the patch.
     """
     K = assemble_body_stiffness(
-        convert_mesh_order(mesh, element_order_of_bodies(settings)),
+        convert_mesh_order(mesh, element_type_of_bodies(settings)),
         sockets,
         patches,
         material.youngs_modulus,
         material.poissons_ratio,
     )
-    kept = {s: reduce_socket_transfer_to_modes(p, count) for s, p in patches.items()}
-    return K, assemble_modes_of_sockets(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+    kept = {s: contact_modes_of_patch(p, count) for s, p in patches.items()}
+    return K, assemble_mode_forces(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
 
 
-def condense_ball(material: Material, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
+def condense_ball(
+    material: Material, mesh: CoarseBallMesh, patches: dict[int, FlankPatches], settings: Settings
+) -> CondensedBall:
     """Condense the mesh of one ball to displacement modes of its contacts, with its rigid motions constrained.
 
     The six constraints carry no force, because the loads on a ball balance.
@@ -416,41 +433,41 @@ def condense_ball(material: Material, mesh: BallBody, patches: dict[int, SidePat
     ----------
     material : Material
         Elastic material.
-    mesh : BallBody
+    mesh : CoarseBallMesh
         Mesh of the ball.
-    patches : dict[int, SidePatches]
+    patches : dict[int, FlankPatches]
         Condensed patches of each flank.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
 
     Returns
     -------
-    BallResponse
+    CondensedBall
         The condensed ball.
     """
-    ball_patches = {s: p.ball for s, p in patches.items()}
-    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in ball_patches]
+    ball_patches = {s: p.ball_patch for s, p in patches.items()}
+    sockets = [BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in ball_patches]
     K, rows, kept = assemble_stiffness_and_contact_modes(
         material, mesh.mesh, sockets, ball_patches, settings.ball_modes, settings
     )
-    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    held = select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     G = symmetric_compliance_of_loads(condense(K, D=held, expand=False), rows[:, free])
-    return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
+    return CondensedBall(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
 def condense_screw(
     material: Material,
     nut: Nut,
-    ends: tuple[float, float],
-    inside: Sequence[float],
-    mesh: GroovedBody,
+    end_positions: tuple[float, float],
+    stations_inside: Sequence[float],
+    mesh: CoarseGroovedBodyMesh,
     layout: BallLayout,
     sides: tuple[int, ...],
     patches: dict[int, CondensedPatch],
     settings: Settings,
     dims: Dimensions,
-) -> ScrewResponse:
+) -> CondensedScrew:
     """Condense the part of the screw that is meshed in 3D to its contacts, upper end, supports and loads.
 
     It is fixed at its bore (a ring on a stiff shaft) or at its lower end.
@@ -461,11 +478,11 @@ def condense_screw(
         Elastic material.
     nut : Nut
         The nut; the motion of the screw is computed at five sections between its faces.
-    ends : tuple[float, float]
+    end_positions : tuple[float, float]
         Axial positions of the ends of the stretch [m].
-    inside : Sequence[float]
+    stations_inside : Sequence[float]
         Axial positions of the supports and loads that lie within the stretch [m].
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of the stretch.
     layout : BallLayout
         Positions of the balls.
@@ -480,39 +497,39 @@ def condense_screw(
 
     Returns
     -------
-    ScrewResponse
+    CondensedScrew
         The condensed screw.
     """
-    places = contacts_on_body(layout, sides, True)
+    places = contact_positions_on_body(layout, sides, True)
     K, modes, kept = assemble_stiffness_and_contact_modes(
         material, mesh.mesh, sockets_at_contact_azimuths(mesh, places), patches, settings.modes, settings
     )
-    low, high = ends
+    low, high = end_positions
     bore = dims.screw_held == "bore"
-    T = expansion_of_free_screw_freedoms(mesh, dims, high)
+    T = screw_freedoms_from_free_ones(mesh, dims, high)
     base = nut.position if bore else low
     if bore:
         ports: tuple[float, ...] = ()
         observers: tuple[float, ...] = ()
         rows = modes @ T
     else:
-        ports = (high, *inside)
+        ports = (high, *stations_inside)
         half = nut.length / 2.0
         observers = tuple(float(nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
         end = sp.eye_array(T.shape[1], format="csr")[-6:]
-        follow = [section_motion_matrix(mesh.mesh, z) @ T for z in (*inside, *observers)]
+        follow = [section_motion_matrix(mesh.mesh, z) @ T for z in (*stations_inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # frees the stiffness of the free body: a gigabyte with 400 contacts
     F = symmetric_compliance_of_loads(K, rows)
     rigid = np.asarray(modes @ nodal_displacements_of_rigid_motions(mesh.points, np.array([0.0, 0.0, base])))
-    B = np.concatenate([rigid, *(rigid_motion_transfer_matrix(z - base) for z in (*ports, *observers))])
-    stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
+    B = np.concatenate([rigid, *(rigid_motion_transfer_along_z(z - base) for z in (*ports, *observers))])
+    stretch = MeshedShaftPart(F, B, base, ports, observers, (low, high), modes.shape[0], moves_with_base=bore)
     starts = np.concatenate([[0], np.cumsum([kept[p[2]][1].shape[0] for p in places])])
     least = min(k[1].shape[0] for k in kept.values()) if kept else 0
     about = np.array(
-        [rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_matrix(base - p[1]) for i, p in enumerate(places)]
+        [rigid[starts[i] : starts[i] + least] @ rigid_motion_transfer_along_z(base - p[1]) for i, p in enumerate(places)]
     ).reshape(len(places), least, 6)
-    return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
+    return CondensedScrew(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
 def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
@@ -542,11 +559,11 @@ def section_motion_matrix(mesh: Mesh, z: float) -> sp.csr_array:
     rigid = nodal_displacements_of_rigid_motions(points[nodes], np.array([0.0, 0.0, z]))
     carried = (volume[nodes][:, nodes] @ rigid.reshape(nodes.size, 18)).reshape(-1, 6)
     motion = np.linalg.solve(rigid.T @ carried, carried.T)
-    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(freedoms_of_nodes(nodes), 6))
+    place = (np.repeat(np.arange(6), 3 * nodes.size), np.tile(degrees_of_freedom_of_nodes(nodes), 6))
     return sp.csr_array((motion.ravel(), place), (6, 3 * len(points)))
 
 
-def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_array:
+def screw_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions, high: float) -> sp.csc_array:
     """Return the matrix that gives all degrees of freedom of the screw's 3D mesh from those that are free.
 
     ``mesh``: mesh of the screw's part; ``dims``: dimensions, which say whether the bore of the screw is fixed; ``high``:
@@ -554,8 +571,8 @@ def expansion_of_free_screw_freedoms(mesh: GroovedBody, dims: Dimensions, high: 
     whose six motions about its centre come last.
     """
     if dims.screw_held == "bore":
-        return expansion_of_free_freedoms(mesh.mesh, freedoms_on_boundaries(mesh.mesh, "bore"))
-    return expansion_with_rigid_high_end(mesh.mesh, high)
+        return all_freedoms_from_free_ones(mesh.mesh, degrees_of_freedom_on_boundaries(mesh.mesh, "bore"))
+    return all_freedoms_with_rigid_end(mesh.mesh, high)
 
 
 def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count: int) -> Array:
@@ -584,7 +601,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
     return np.asarray((np.abs((x + 1j * y)[:, None] - middles) <= 0.5 * (seat[1] - seat[0]) + 1e-7).any(axis=1))
 
 
-def expansion_of_free_nut_freedoms(mesh: GroovedBody, dims: Dimensions) -> sp.csc_array:
+def nut_freedoms_from_free_ones(mesh: CoarseGroovedBodyMesh, dims: Dimensions) -> sp.csc_array:
     """Return the matrix that gives all degrees of freedom of the nut's mesh from those that are not fixed.
 
     ``dims``: dimensions of the solid parts, which name the fixed surface of the nut (`Dimensions.nut_held`).
@@ -597,26 +614,28 @@ def expansion_of_free_nut_freedoms(mesh: GroovedBody, dims: Dimensions) -> sp.cs
     on = (np.hypot(x, y) >= low - 1e-7) & (np.hypot(x, y) <= high + 1e-7)
     if bolts:
         on &= points_clamped_by_bolts(x, y, (low, high), int(bolts.split()[0]))
-    held = freedoms_of_nodes(np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on])
-    return expansion_of_free_freedoms(mesh.mesh, held)
+    held = degrees_of_freedom_of_nodes(
+        np.union1d(nodes[on], nodes_on_boundaries(mesh.mesh, "centring")) if fit else nodes[on]
+    )
+    return all_freedoms_from_free_ones(mesh.mesh, held)
 
 
 def condense_nut(
     material: Material,
-    mesh: GroovedBody,
+    mesh: CoarseGroovedBodyMesh,
     layout: BallLayout,
     sides: tuple[int, ...],
     patches: dict[int, CondensedPatch],
     settings: Settings,
     dims: Dimensions,
-) -> NutResponse:
+) -> CondensedNut:
     """Condense the mesh of the nut to displacement modes of its contacts, with the surface fixed that ``dims`` names.
 
     Parameters
     ----------
     material : Material
         Elastic material.
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of the nut.
     layout : BallLayout
         Positions of the balls.
@@ -631,12 +650,12 @@ def condense_nut(
 
     Returns
     -------
-    NutResponse
+    CondensedNut
         The condensed nut.
     """
-    sockets = sockets_at_contact_azimuths(mesh, contacts_on_body(layout, sides, False))
+    sockets = sockets_at_contact_azimuths(mesh, contact_positions_on_body(layout, sides, False))
     K, rows, kept = assemble_stiffness_and_contact_modes(material, mesh.mesh, sockets, patches, settings.modes, settings)
-    T = expansion_of_free_nut_freedoms(mesh, dims)
+    T = nut_freedoms_from_free_ones(mesh, dims)
     K = (T.T @ K @ T).tocsc()
     rigid = np.asarray(rows @ nodal_displacements_of_rigid_motions(mesh.points, np.zeros(3)))
-    return NutResponse(symmetric_compliance_of_loads(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)
+    return CondensedNut(symmetric_compliance_of_loads(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1], rigid)

@@ -17,39 +17,41 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from rollbench.hifi.bodies.grid_wave import (
-    forces_resolved_by_patch,
+    forces_resolved_by_grid,
     hertz_contact_under_unit_force,
     mean_approaches_over_grid_cell,
 )
-from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.contact.hertz import solve_hertz
+from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import contact_frame_vectors
 from rollbench.meshes.condensed import CondensedBodies, digest_of_geometry
 
 if TYPE_CHECKING:
-    from rollbench.hifi.condensation import NutResponse, ScrewResponse
-    from rollbench.hifi.setup import Setup
+    from rollbench.hifi.condensation import CondensedNut, CondensedScrew
+    from rollbench.hifi.setup import CondensedGeometry
 
 
 #: Number of forces at which the approach of a contact is sampled.
 SAMPLES = 16
 
 
-def sampled_contact_forces(setup: Setup, side: int) -> Array:
+def sampled_contact_forces(setup: CondensedGeometry, side: int) -> Array:
     """Return the f contact forces ``(f,)`` [N] for which the approach of ball and groove is computed on one flank.
 
     ``side``: groove flank, 0 or 1 on the screw, 2 or 3 on the nut.
     """
-    return forces_resolved_by_patch(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
+    return forces_resolved_by_grid(
+        setup.groove_map, side, setup.patches_by_flank[side].groove_patch, setup.scene.balls.material, SAMPLES
+    )
 
 
-def _unit_hertz_approach(setup: Setup, side: int) -> float:
+def _unit_hertz_approach(setup: CondensedGeometry, side: int) -> float:
     """Return the approach of ball and groove at a flank (0 to 3) under 1 N by Hertz's theory [m]."""
-    return float(hertz_contact_under_unit_force(setup.map, side, setup.scene.balls.material).approach)
+    return float(hertz_contact_under_unit_force(setup.groove_map, side, setup.scene.balls.material).approach)
 
 
-def mean_approaches_of_patch_contact(setup: Setup, side: int, loads: Array) -> Array:
+def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Array) -> Array:
     """Compute the approach of ball and groove with fixed bodies: only the fine meshes around their contact deform.
 
     The result is the mean over positions of the contact within one cell of its mesh grid.
@@ -68,11 +70,11 @@ def mean_approaches_of_patch_contact(setup: Setup, side: int, loads: Array) -> A
     (f,) Array
         Approach under each force [m].
     """
-    pair = setup.patches[side]
-    return mean_approaches_over_grid_cell(setup.map, side, pair.groove, pair.local, loads)
+    pair = setup.patches_by_flank[side]
+    return mean_approaches_over_grid_cell(setup.groove_map, side, pair.groove_patch, pair.local_compliance, loads)
 
 
-def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
+def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> Array:
     """Distribute a unit force along the contact normal over the contact nodes in proportion to Hertz's pressure.
 
     Parameters
@@ -89,16 +91,16 @@ def hertz_nodal_forces(setup: Setup, side: int, load: float) -> Array:
     (c,) Array
         Share of each contact node (of its pressure basis function) in the unit force.
     """
-    m, material = setup.map, setup.scene.balls.material
-    ellipse = hertz(load, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
+    m, material = setup.groove_map, setup.scene.balls.material
+    ellipse = solve_hertz(load, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = contact_frame_vectors(m, side)
-    groove = setup.patches[side].groove
-    x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
-    force = ellipse.pressure(x @ tangent, x @ forward) * groove.areas
-    return np.asarray(force / (force @ (normalise_rows_of_weights(groove.weights) @ (groove.normals @ normal))))
+    groove = setup.patches_by_flank[side].groove_patch
+    x = groove.contact_points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
+    force = ellipse.pressure(x @ tangent, x @ forward) * groove.nodal_areas
+    return np.asarray(force / (force @ (normalise_weight_rows(groove.pressure_weights) @ (groove.normals @ normal))))
 
 
-def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> float:
+def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_shares: Array) -> float:
     """Compute the displacement of a contact under a unit force on it that comes from the deformation of screw or nut.
 
     The result is the mean over the contacts of all balls on one flank.
@@ -109,42 +111,44 @@ def mean_contact_compliance_of_body(setup: Setup, side: int, force: Array) -> fl
         Meshed and condensed parts of one geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
-    force : (c,) Array
-        Share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
+    nodal_shares : (c,) Array
+        Share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
 
     Returns
     -------
     float
         Displacement of a contact per unit of the force on it [m/N]; 0 for a rigid body.
     """
-    body = setup.body(side)
+    body = setup.condensed_body_of_flank(side)
     if body is None:
         return 0.0
-    z = body.modes[side].T @ force
-    own = [np.ix_(rows, rows) for rows in (body.mode_indices_of_contact(side, i) for i in range(setup.layout.z.size))]
+    z = body.modes_by_flank[side].T @ nodal_shares
+    own = [
+        np.ix_(rows, rows) for rows in (body.mode_indices_of_contact(side, i) for i in range(setup.ball_positions.z.size))
+    ]
     return float(np.mean([z @ body.G[block] @ z for block in own]))
 
 
-def ball_compliance_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
+def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> Array:
     """Compute the compliance between the contacts of one ball, without the local compliance of the contacts themselves.
 
     Parameters
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    spreads : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
+    nodal_shares : dict[int, Array]
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
 
     Returns
     -------
     (k, k) Array
         Compliance between the contacts on the k flanks of the ball [m/N].
     """
-    amplitudes = block_diag(*[spreads[s] @ setup.ball.modes[s] for s in setup.sides])
-    return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
+    amplitudes = block_diag(*[nodal_shares[s] @ setup.condensed_ball.modes_by_flank[s] for s in setup.loaded_flanks])
+    return np.asarray(amplitudes @ setup.condensed_ball.G @ amplitudes.T)
 
 
-def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
+def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> Array:
     """Compute the displacement of each contact per unit of its force, without the contact's own local compliance.
 
     It is the sum of the displacement of screw or nut and of half the response of the ball to two opposite forces.
@@ -153,30 +157,30 @@ def compliance_beyond_patches(setup: Setup, spreads: dict[int, Array]) -> Array:
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    spreads : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
+    nodal_shares : dict[int, Array]
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
 
     Returns
     -------
     (k,) Array
         Displacement of the contact on each of k flanks per unit of its force [m/N].
     """
-    D = ball_compliance_matrix(setup, spreads)
-    order = [setup.sides.index(3 - s) for s in setup.sides]
+    D = ball_compliance_matrix(setup, nodal_shares)
+    order = [setup.loaded_flanks.index(3 - s) for s in setup.loaded_flanks]
     diagonal = np.diag(D)
     ball = 0.5 * (diagonal + diagonal[order]) + D[np.arange(len(diagonal)), order]
-    return np.asarray(ball + [mean_contact_compliance_of_body(setup, s, spreads[s]) for s in setup.sides])
+    return np.asarray(ball + [mean_contact_compliance_of_body(setup, s, nodal_shares[s]) for s in setup.loaded_flanks])
 
 
-def remaining_approach_over_force(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> tuple[Array, Array]:
     """Compute the part of each contact's approach that neither Hertz's law nor the compliance of the bodies explains.
 
     Parameters
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    spreads : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact (`hertz_nodal_forces`), with which the
+    nodal_shares : dict[int, Array]
+        By flank, the share of each contact node in a unit force on the contact (`hertz_shares_of_nodes`), with which the
         compliance matrices were computed.
 
     Returns
@@ -186,46 +190,48 @@ def remaining_approach_over_force(setup: Setup, spreads: dict[int, Array]) -> tu
     force : (k, f) Array
         These forces [N].
     """
-    loads = np.array([sampled_contact_forces(setup, s) for s in setup.sides])
+    loads = np.array([sampled_contact_forces(setup, s) for s in setup.loaded_flanks])
     extra = np.array(
         [
-            (mean_approaches_of_patch_contact(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
-            for s, f in zip(setup.sides, loads, strict=True)
+            (approaches_with_fixed_bodies(setup, s, f) - _unit_hertz_approach(setup, s) * np.cbrt(f) ** 2) / f
+            for s, f in zip(setup.loaded_flanks, loads, strict=True)
         ]
     )
-    fixed = compliance_beyond_patches(setup, spreads)
+    fixed = contact_compliance_of_bodies(setup, nodal_shares)
     for k in range(loads.shape[1]):
-        at_load = {s: hertz_nodal_forces(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
-        extra[:, k] += compliance_beyond_patches(setup, at_load) - fixed
+        at_load = {
+            s: hertz_shares_of_nodes(setup, s, float(f)) for s, f in zip(setup.loaded_flanks, loads[:, k], strict=True)
+        }
+        extra[:, k] += contact_compliance_of_bodies(setup, at_load) - fixed
     return extra, loads
 
 
-def body_compliance_matrix(balls: int, body: ScrewResponse | NutResponse, spreads: dict[int, Array]) -> Array:
+def body_compliance_matrix(ball_count: int, body: CondensedScrew | CondensedNut, nodal_shares: dict[int, Array]) -> Array:
     """Compute the compliance between all contacts of screw or nut, ball after ball, for Hertz-like pressures.
 
     It follows from the compliance between the displacement modes of the contacts.
 
     Parameters
     ----------
-    balls : int
+    ball_count : int
         Number of balls N.
-    body : ScrewResponse | NutResponse
+    body : CondensedScrew | CondensedNut
         Condensed screw or nut.
-    spreads : dict[int, Array]
-        By flank, the share of each contact node in a unit force on the contact, from `hertz_nodal_forces`.
+    nodal_shares : dict[int, Array]
+        By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
 
     Returns
     -------
     (N k', N k') Array
         Compliance between the contacts of N balls on the k' flanks of that body [m/N].
     """
-    z = np.zeros((balls * len(body.modes), len(body.G)))
-    for row, (i, s) in zip(z, product(range(balls), body.modes), strict=True):
-        row[body.mode_indices_of_contact(s, i)] = body.modes[s].T @ spreads[s]
+    z = np.zeros((ball_count * len(body.modes_by_flank), len(body.G)))
+    for row, (i, s) in zip(z, product(range(ball_count), body.modes_by_flank), strict=True):
+        row[body.mode_indices_of_contact(s, i)] = body.modes_by_flank[s].T @ nodal_shares[s]
     return np.asarray(z @ body.G @ z.T)
 
 
-def collect_condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
+def collect_condensed_bodies(setup: CondensedGeometry, level: int) -> CondensedBodies:
     """Collect the compliance matrices of screw, nut and balls for use in a low-order model.
 
     Parameters
@@ -240,21 +246,23 @@ def collect_condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     CondensedBodies
         Compliances of screw, nut and balls, as written to a file.
     """
-    spreads = {s: hertz_nodal_forces(setup, s, float(np.median(sampled_contact_forces(setup, s)))) for s in setup.sides}
-    local, forces = remaining_approach_over_force(setup, spreads)
-    N = setup.layout.z.size
-    nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
-    if setup.nut is not None:
-        nut = body_compliance_matrix(N, setup.nut, spreads)
+    spreads = {
+        s: hertz_shares_of_nodes(setup, s, float(np.median(sampled_contact_forces(setup, s)))) for s in setup.loaded_flanks
+    }
+    local, forces = unexplained_approach_over_force(setup, spreads)
+    N = setup.ball_positions.z.size
+    nut = np.zeros((N * sum(s >= 2 for s in setup.loaded_flanks),) * 2)
+    if setup.condensed_nut is not None:
+        nut = body_compliance_matrix(N, setup.condensed_nut, spreads)
     return CondensedBodies(
         digest_of_geometry(setup.scene),
         level,
-        np.array(setup.sides, dtype=float),
-        setup.screw.stretch.base,
-        body_compliance_matrix(N, setup.screw, spreads),
+        np.array(setup.loaded_flanks, dtype=float),
+        setup.condensed_screw.stretch.base_position,
+        body_compliance_matrix(N, setup.condensed_screw, spreads),
         nut,
         ball_compliance_matrix(setup, spreads),
         local,
         forces,
-        np.array([_unit_hertz_approach(setup, s) for s in setup.sides]),
+        np.array([_unit_hertz_approach(setup, s) for s in setup.loaded_flanks]),
     )

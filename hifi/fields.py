@@ -16,11 +16,11 @@ import scipy.sparse as sp
 from skfem import Mesh, condense
 
 from rollbench.hifi.bodies.coarse import (
-    Socket,
+    BodySocket,
     assemble_body_stiffness,
     convert_mesh_order,
-    freedoms_of_nodes,
-    isostatic_freedoms,
+    degrees_of_freedom_of_nodes,
+    select_isostatic_freedoms,
 )
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, nodal_displacements_of_patch
 from rollbench.hifi.condensation import (
@@ -28,36 +28,40 @@ from rollbench.hifi.condensation import (
     collect_flank_condensation_arguments,
     condense_ball,
     condense_patches_of_flank,
-    expansion_of_free_nut_freedoms,
-    expansion_of_free_screw_freedoms,
+    nut_freedoms_from_free_ones,
+    screw_freedoms_from_free_ones,
 )
-from rollbench.hifi.contact.balls import BallBlock, compliance_of_single_ball, solve_contacts_of_all_balls
-from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.contact.balls import (
+    BallContactCompliance,
+    contact_compliance_of_single_ball,
+    solve_contacts_of_all_balls,
+)
+from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import isotropic_stress_law, normalise_rows_of_weights
+from rollbench.hifi.elements.forms import isotropic_stress_law, normalise_weight_rows
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.hifi.meshing.part_meshes import (
-    Meshes,
+    PartMeshes,
     ball_socket_and_map,
-    contacts_on_body,
-    element_order_of_bodies,
+    contact_normals_of_patch,
+    contact_positions_on_body,
+    element_type_of_bodies,
     mesh_parts,
     mesh_patch,
-    patch_normals,
     rotation_about_z,
     sockets_at_contact_azimuths,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.reference import ReferenceResult
-from rollbench.hifi.setup import Setup
+from rollbench.hifi.setup import CondensedGeometry
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors
 from rollbench.meshes.fem import nodes_of_cells, with_node_coordinates
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import GroovedBody
+from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Material, Scene
-from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 
@@ -68,18 +72,18 @@ class SolidField:
     #: Coordinates of the n nodes ``(n, 3)`` [m].
     points: Array
     #: Indices of the nodes of each cell ``(cells, nodes per cell)``, in gmsh's order.
-    cells: Index
+    cell_nodes: Index
     #: Type of the cells: tetrahedra of first or second order, "P1" or "P2", or such hexahedra, "Q1" or "Q2".
-    kind: str
+    element_type: str
     #: Displacements ``(n, 3)`` [m].
-    displacement: Array
+    displacements: Array
     #: Stresses ``(n, 6)`` [Pa]: xx, yy, zz, yz, xz, xy.
-    stress: Array
+    stresses: Array
 
     @property
     def von_mises(self) -> Array:
         """Von Mises stresses ``(n,)`` [Pa]."""
-        return von_mises(self.stress)
+        return von_mises(self.stresses)
 
 
 def von_mises(stress: Array) -> Array:
@@ -144,7 +148,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     return out
 
 
-def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
+def contact_node_forces_by_flank(setup: CondensedGeometry, result: ReferenceResult) -> dict[int, Array]:
     """Return the normal forces at the contact nodes of all balls, separately for each groove flank.
 
     Each force is the coefficient of the pressure basis function that belongs to the node.
@@ -161,12 +165,14 @@ def pressure_function_forces_by_flank(setup: Setup, result: ReferenceResult) -> 
     dict[int, Array]
         By flank (0 to 3), the forces at the c contact nodes of each ball ``(balls, c)`` [N].
     """
-    ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
-    rows = result.contact.forces.reshape(setup.layout.z.size, -1)
-    return {s: rows[:, a:b] for s, (a, b) in zip(result.sides, pairwise(ends), strict=True)}
+    ends = np.cumsum([0] + [len(setup.patches_by_flank[s].groove_patch.A) for s in result.closable_flanks])
+    rows = result.contact_solution.forces.reshape(setup.ball_positions.z.size, -1)
+    return {s: rows[:, a:b] for s, (a, b) in zip(result.closable_flanks, pairwise(ends), strict=True)}
 
 
-def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
+def nodal_displacements_of_screw(
+    setup: CondensedGeometry, mesh: CoarseGroovedBodyMesh, forces: dict[int, Array], scene: Scene | None = None
+) -> Array:
     """Compute the nodal displacements of the screw's coarse 3D mesh under all contact loads.
 
     The mesh covers a part of the screw around the nut; it is fixed at its low end, or at its bore.
@@ -175,10 +181,10 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of that part, with n nodes.
     forces : dict[int, Array]
-        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `contact_node_forces_by_flank`.
     scene : Scene | None, default None
         Load case; None: the scene of the prepared geometry.
 
@@ -192,9 +198,11 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     ValueError
         A support or load lies above the low end of the mesh, so that its high end carries an unknown reaction.
     """
-    refuse_supports_beyond_low_end(scene or setup.scene, setup.dims)
-    high = setup.dims.ends(setup.scene)[1]
-    return _coarse_displacement(setup, mesh, forces, expansion_of_free_screw_freedoms(mesh, setup.dims, high), screw=True)
+    refuse_supports_beyond_low_end(scene or setup.scene, setup.solid_dimensions)
+    high = setup.solid_dimensions.ends_of_meshed_screw(setup.scene)[1]
+    return _nodal_displacements_of_coarse_body(
+        setup, mesh, forces, screw_freedoms_from_free_ones(mesh, setup.solid_dimensions, high), screw=True
+    )
 
 
 def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
@@ -207,7 +215,7 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     dims : Dimensions
         Dimensions of the solid parts.
     """
-    low = dims.ends(scene)[0]
+    low = dims.ends_of_meshed_screw(scene)[0]
     beyond = sorted(z for z in scene.stations if z > low)
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
@@ -216,51 +224,53 @@ def refuse_supports_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
         )
 
 
-def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
+def nodal_displacements_of_nut(setup: CondensedGeometry, mesh: CoarseGroovedBodyMesh, forces: dict[int, Array]) -> Array:
     """Compute the nodal displacements of the nut's coarse mesh under all contact loads, fixed where the scene says.
 
     Parameters
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of the nut, with n nodes.
     forces : dict[int, Array]
-        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `contact_node_forces_by_flank`.
 
     Returns
     -------
     (n, 3) Array
         Displacements [m].
     """
-    return _coarse_displacement(setup, mesh, forces, expansion_of_free_nut_freedoms(mesh, setup.dims), screw=False)
+    return _nodal_displacements_of_coarse_body(
+        setup, mesh, forces, nut_freedoms_from_free_ones(mesh, setup.solid_dimensions), screw=False
+    )
 
 
-def _coarse_displacement(
-    setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_array, *, screw: bool
+def _nodal_displacements_of_coarse_body(
+    setup: CondensedGeometry, mesh: CoarseGroovedBodyMesh, forces: dict[int, Array], T: sp.csc_array, *, screw: bool
 ) -> Array:
     """Solve for the nodal displacements ``(n, 3)`` [m] of the coarse mesh of screw or nut under its contact loads.
 
     ``mesh``: mesh of the body with n nodes; ``forces``: normal forces at the contact nodes, by flank, from
-    `pressure_function_forces_by_flank`; ``T``: matrix that gives all degrees of freedom from the free ones; ``screw``:
+    `contact_node_forces_by_flank`; ``T``: matrix that gives all degrees of freedom from the free ones; ``screw``:
     whether the body is the screw (True) or the nut.
     """
     material = (setup.scene.screw if screw else setup.scene.nut).material
-    patches = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
-    sockets = sockets_at_contact_azimuths(mesh, contacts_on_body(setup.layout, setup.sides, screw))
+    patches = {s: p.groove_patch for s, p in setup.patches_by_flank.items() if (s < 2) == screw}
+    sockets = sockets_at_contact_azimuths(mesh, contact_positions_on_body(setup.ball_positions, setup.loaded_flanks, screw))
     K, Q, kept = assemble_stiffness_and_contact_modes(
-        material, mesh.mesh, sockets, patches, setup.settings.modes, setup.settings
+        material, mesh.mesh, sockets, patches, setup.mesh_settings.modes, setup.mesh_settings
     )
     amplitude = [
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(patches[s].A)))
-        for i in range(setup.layout.z.size)
+        for i in range(setup.ball_positions.z.size)
         for s in patches
     ]
     q = factorise_positive_definite((T.T @ K @ T).tocsc())(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
 
 
-def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the groove around a contact on one flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -277,20 +287,23 @@ def mesh_groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
     PatchMesh
         The patch.
     """
-    body = meshes.screw if side < 2 else meshes.nut
+    body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
     return mesh_patch(
-        meshes, body.sockets[side], partial(points_in_reference_socket, setup.map, meshes.size, side), setup.settings
+        meshes,
+        body.box_faces[side],
+        partial(points_in_box_at_azimuth_zero, setup.groove_map, meshes.socket_size, side),
+        setup.mesh_settings,
     )
 
 
-def mesh_ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+def mesh_ball_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -> PatchMesh:
     """Create the fine mesh (patch) of the ball at its contact with a flank (0 to 3); the ball's centre is the origin."""
-    place = ball_socket_and_map(setup.map, meshes.size, side, meshes.zone)[1]
-    return mesh_patch(meshes, meshes.ball.sockets[side], place, setup.settings)
+    place = ball_socket_and_map(setup.groove_map, meshes.socket_size, side, meshes.relative_zone_size)[1]
+    return mesh_patch(meshes, meshes.ball_mesh.box_faces[side], place, setup.mesh_settings)
 
 
-def groove_patch_field(
-    setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
+def stress_field_of_groove_patch(
+    setup: CondensedGeometry, meshes: PartMeshes, body_displacements: Array, ball: int, side: int, forces: dict[int, Array]
 ) -> SolidField:
     """Compute displacements and stresses in the fine mesh (patch) of a groove at the contact with one ball.
 
@@ -302,14 +315,14 @@ def groove_patch_field(
         Meshed and condensed parts of one geometry.
     meshes : Meshes
         Its meshes.
-    u : (n, 3) Array
+    body_displacements : (n, 3) Array
         Displacements of the n nodes of the coarse mesh of screw or nut [m].
     ball : int
         Number of the ball, from 0.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     forces : dict[int, Array]
-        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `contact_node_forces_by_flank`.
 
     Returns
     -------
@@ -317,26 +330,36 @@ def groove_patch_field(
         Displacements and stresses of the patch.
     """
     mesh = mesh_groove_patch(setup, meshes, side)
-    body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
-    body_sides = [s for s in setup.sides if (s < 2) == (side < 2)]
-    nodes = body.socket_nodes[ball * len(body_sides) + body_sides.index(side)]
-    R = rotation_about_z(float(setup.layout.azimuth[ball]))
-    normals = patch_normals(mesh, np.array([setup.map.R, 0.0, 0.0]))
-    return _patch_field(mesh, normals, part.material, forces[side][ball], (u[nodes] @ R).ravel())
+    body, part = (meshes.screw_mesh, setup.scene.screw) if side < 2 else (meshes.nut_mesh, setup.scene.nut)
+    body_sides = [s for s in setup.loaded_flanks if (s < 2) == (side < 2)]
+    nodes = body.nodes_on_box_faces[ball * len(body_sides) + body_sides.index(side)]
+    R = rotation_about_z(float(setup.ball_positions.azimuth[ball]))
+    normals = contact_normals_of_patch(mesh, np.array([setup.groove_map.R, 0.0, 0.0]))
+    return _stress_field_of_patch(mesh, normals, part.material, forces[side][ball], (body_displacements[nodes] @ R).ravel())
 
 
-def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
+def _stress_field_of_patch(
+    mesh: PatchMesh, normals: Array, material: Material, forces: Array, socket_displacements: Array
+) -> SolidField:
     """Compute displacements and stresses of a fine patch under its contact loads and the motion of its boundary.
 
-    ``normals``: directions of the loads at the c contact nodes (c, 3); ``forces``: these loads (c,) [N]; ``trace``:
-    displacements of the k nodes of the socket that the patch fills, in the patch's frame (3 k,) [m].
+    ``normals``: directions of the loads at the c contact nodes (c, 3); ``forces``: these loads (c,) [N];
+    ``socket_displacements``: displacements of the k nodes of the socket that the patch fills, in the patch's frame (3 k,)
+    [m].
     """
-    u = nodal_displacements_of_patch(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
-    return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
+    u = nodal_displacements_of_patch(
+        mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, socket_displacements
+    )
+    return SolidField(mesh.points, mesh.cells, mesh.element_type, u, nodal_stress(mesh.mesh, u, material))
 
 
 def stress_field_near_ball(
-    setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float
+    setup: CondensedGeometry,
+    mesh: CoarseGroovedBodyMesh,
+    displacements: Array,
+    ball: int,
+    material: Material,
+    max_distance: float,
 ) -> SolidField:
     """Return displacements and stresses in the coarse mesh of screw or nut near one ball.
 
@@ -346,15 +369,15 @@ def stress_field_near_ball(
     ----------
     setup : Setup
         Meshed and condensed parts of one geometry.
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of the body.
-    u : (n, 3) Array
+    displacements : (n, 3) Array
         Displacements of the body's nodes [m].
     ball : int
         Number of the ball, from 0.
     material : Material
         Elastic material.
-    reach : float
+    max_distance : float
         Largest distance from the ball's centre at which cells are included [m].
 
     Returns
@@ -362,20 +385,20 @@ def stress_field_near_ball(
     SolidField
         Displacements and stresses of the cells near the ball.
     """
-    R = rotation_about_z(float(setup.layout.azimuth[ball]))
-    points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
-    near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
+    R = rotation_about_z(float(setup.ball_positions.azimuth[ball]))
+    points = (mesh.points - np.array([0.0, 0.0, setup.ball_positions.z[ball]])) @ R
+    near = np.linalg.norm(points - np.array([setup.groove_map.R, 0.0, 0.0]), axis=1) < max_distance
     elements = np.flatnonzero(near[mesh.cells].any(axis=1))
-    body = convert_mesh_order(with_node_coordinates(mesh.mesh, points), kind := element_order_of_bodies(setup.settings))
+    body = convert_mesh_order(with_node_coordinates(mesh.mesh, points), kind := element_type_of_bodies(setup.mesh_settings))
     if kind == "P1":  # eight first-order cells for each second-order one
         elements = (8 * elements[:, None] + np.arange(8)).ravel()
-    stress = nodal_stress(body, u @ R, material, elements)
+    stress = nodal_stress(body, displacements @ R, material, elements)
     used, cells = np.unique(nodes_of_cells(body)[elements], return_inverse=True)
-    return SolidField(points[used], cells.reshape(len(elements), -1), kind, u[used] @ R, stress[used])
+    return SolidField(points[used], cells.reshape(len(elements), -1), kind, displacements[used] @ R, stress[used])
 
 
 def stress_fields_of_ball(
-    setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]
+    setup: CondensedGeometry, meshes: PartMeshes, ball: int, forces: dict[int, Array]
 ) -> dict[int | None, SolidField]:
     """Compute displacements and stresses in the coarse mesh and the fine contact meshes of one ball.
 
@@ -390,25 +413,25 @@ def stress_fields_of_ball(
     ball : int
         Number of the ball, from 0.
     forces : dict[int, Array]
-        Normal forces at the contact nodes, by flank, from `pressure_function_forces_by_flank`.
+        Normal forces at the contact nodes, by flank, from `contact_node_forces_by_flank`.
 
     Returns
     -------
     dict[int | None, SolidField]
         Fields of the coarse mesh of the ball (key None), and of its fine contact meshes by flank.
     """
-    material, mesh = setup.scene.balls.material, meshes.ball
+    material, mesh = setup.scene.balls.material, meshes.ball_mesh
     e, nu = material.youngs_modulus, material.poissons_ratio
-    patches: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
-    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in patches]
-    body = convert_mesh_order(mesh.mesh, kind := element_order_of_bodies(setup.settings))
+    patches: dict[int, CondensedPatch] = {s: p.ball_patch for s, p in setup.patches_by_flank.items()}
+    sockets = [BodySocket(mesh.nodes_on_box_faces[s], np.eye(3), s) for s in patches]
+    body = convert_mesh_order(mesh.mesh, kind := element_type_of_bodies(setup.mesh_settings))
     K = assemble_body_stiffness(body, sockets, patches, e, nu)
-    held = isostatic_freedoms(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    held = select_isostatic_freedoms(mesh.points, np.concatenate([s.node_indices for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
     for s, patch in patches.items():
         if s in forces:
-            np.add.at(load, freedoms_of_nodes(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
+            np.add.at(load, degrees_of_freedom_of_nodes(mesh.nodes_on_box_faces[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
     u[free] = factorise_positive_definite(condense(K, D=held, expand=False))(load[free])
     u = u.reshape(-1, 3)
@@ -417,8 +440,10 @@ def stress_fields_of_ball(
     }
     for s in forces:
         piece = mesh_ball_patch(setup, meshes, s)
-        normals = -patch_normals(piece, np.zeros(3))
-        by_side[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
+        normals = -contact_normals_of_patch(piece, np.zeros(3))
+        by_side[s] = _stress_field_of_patch(
+            piece, normals, material, forces[s][ball], u[mesh.nodes_on_box_faces[s]].ravel()
+        )
     return by_side
 
 
@@ -430,24 +455,26 @@ class ContactPressure:
     """
 
     #: Coordinate of the nodes in that plane across the groove, growing with the contact angle ``(c,)`` [m].
-    across: Array
+    position_across: Array
     #: Coordinate of the nodes in that plane along the groove ``(c,)`` [m].
-    along: Array
+    position_along: Array
     #: Pressures ``(c,)`` [Pa].
     pressure: Array
     #: Centre of pressure, across and along ``(2,)`` [m].
-    centre: Array
+    pressure_centre: Array
     #: Contact load [N].
     load: float
     #: Hertz's closed form for that load.
-    hertz: HertzSolution
+    hertz_solution: HertzSolution
     #: Areas of the pressure functions ``(c,)`` [m2].
-    areas: Array
+    nodal_areas: Array
     #: Numbers of nodes across and along the groove, of a grid of nodes; None: the nodes form no grid.
-    shape: tuple[int, int] | None
+    grid_shape: tuple[int, int] | None
 
 
-def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
+def pressure_from_nodal_forces(
+    scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array
+) -> ContactPressure:
     """Compute the pressure distribution of one contact: the force at each contact node over the area that it carries.
 
     Parameters
@@ -477,20 +504,22 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
         raise ValueError(
             f"no contact pressure on flank {side}: its contact got a force of {forces.sum():.3g} N; allowed: > 0 N"
         )
-    arms = patch.points - np.array([m.R, 0.0, 0.0])
+    arms = patch.contact_points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = contact_frame_vectors(m, side)
     across, along = arms @ t1, arms @ t2
-    nodal = normalise_rows_of_weights(patch.weights).T @ forces
+    nodal = normalise_weight_rows(patch.pressure_weights).T @ forces
     resultant = nodal @ (arms / np.linalg.norm(arms, axis=1)[:, None])
     load = float(np.linalg.norm(resultant))
     angle = m.beta + float(np.arctan2(resultant @ t1, resultant @ n))
     centre = np.array([nodal @ across, nodal @ along]) / nodal.sum()
     material = scene.balls.material
-    closed = hertz(load, *m.relative_curvature_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
-    return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)
+    closed = solve_hertz(load, *m.relative_curvature_radii(side, angle), material.youngs_modulus, material.poissons_ratio)
+    return ContactPressure(
+        across, along, forces / patch.nodal_areas, centre, load, closed, patch.nodal_areas, patch.contact_grid_shape
+    )
 
 
-def ball_contact_pressures(
+def contact_pressures_of_ball(
     scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array
 ) -> dict[int, ContactPressure]:
     """Compute the contact pressures of one ball that its grooves press with given loads at given contact angles.
@@ -527,7 +556,7 @@ def ball_contact_pressures(
         raise ValueError(
             f"ball {ball + 1} carries no load, so that it has no contact pressure: choose a ball with a contact load > 0 N"
         )
-    m, all_balls, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
+    m, all_balls, dims = GrooveMap.from_scene(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     row = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(all_balls, x.name)[row] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
@@ -535,14 +564,16 @@ def ball_contact_pressures(
         s: condense_patches_of_flank(*collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings))
         for s in sides
     }
-    whole_ball = condense_ball(scene.balls.material, meshes.ball, patches, settings)
-    block = BallBlock(tuple(patches[s].local for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
-    x3, _, z3 = m.axes()
+    whole_ball = condense_ball(scene.balls.material, meshes.ball_mesh, patches, settings)
+    block = BallContactCompliance(
+        tuple(patches[s].local_compliance for s in sides), tuple(whole_ball.modes_by_flank[s] for s in sides), whole_ball.G
+    )
+    x3, _, z3 = m.section_axes()
     gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
     for k, s in enumerate(sides):
-        groove = patches[s].groove
-        mean = normalise_rows_of_weights(groove.weights)
-        arms = groove.points - np.array([m.R, 0.0, 0.0])
+        groove = patches[s].groove_patch
+        mean = normalise_weight_rows(groove.pressure_weights)
+        arms = groove.contact_points - np.array([m.R, 0.0, 0.0])
         length = np.linalg.norm(arms, axis=1)
         pairs, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
         N[pairs, columns] = mean @ (arms / length[:, None])
@@ -550,17 +581,19 @@ def ball_contact_pressures(
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(mean @ (length - m.ball))
         start = pairs.stop
-    result, _ = solve_contacts_of_all_balls(compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f)
+    result, _ = solve_contacts_of_all_balls(
+        contact_compliance_of_single_ball(block), np.concatenate(gaps), sp.csr_array(N), f
+    )
     if not result.converged:
         raise ValueError(f"the contact pressures of ball {ball + 1} cannot be computed: {result.status}")
-    ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
+    ends = np.cumsum([0] + [len(patches[s].groove_patch.A) for s in sides])
     return {
-        s: contact_pressure(scene, m, s, patches[s].groove, result.forces[a:b])
+        s: pressure_from_nodal_forces(scene, m, s, patches[s].groove_patch, result.forces[a:b])
         for s, (a, b) in zip(sides, pairwise(ends), strict=True)
     }
 
 
-def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:
+def von_mises_below_hertz_contact(contact: HertzSolution, depth: Array, poisson: float) -> Array:
     """Compute the von Mises stress below the centre of a Hertzian contact ellipse, at several depths.
 
     Boussinesq's point loads are integrated over the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2). Valid at depths of at
@@ -587,7 +620,7 @@ def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Arr
     Examples
     --------
     >>> ball = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
-    >>> f"{hertz_von_mises(ball, np.array([0.481 * ball.semi_x]), 0.3)[0] / ball.pole_pressure:.3f}"
+    >>> f"{von_mises_below_hertz_contact(ball, np.array([0.481 * ball.semi_x]), 0.3)[0] / ball.pole_pressure:.3f}"
     '0.620'
     """
     g, w = np.polynomial.legendre.leggauss(80)

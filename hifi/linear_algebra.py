@@ -37,28 +37,28 @@ from rollbench.meshes.arrays import Array, Index
 LEAF = 32
 
 
-class Supernodes(NamedTuple):
+class SymbolicFactor(NamedTuple):
     """Symbolic Cholesky factor of a sparse matrix: elimination order, and rows and columns of the supernodes."""
 
     #: Number of the degree of freedom that is eliminated at each step ``(n,)``.
-    order: Index
+    elimination_order: Index
     #: First column of each supernode, in the elimination order; n comes last.
-    first: Index
+    first_columns: Index
     #: Index in ``rows`` at which the rows of each supernode begin; the number of all rows comes last.
-    start: Index
+    row_starts: Index
     #: Rows of each supernode in the elimination order, supernode after supernode; those of its diagonal block come first.
-    rows: Index
+    rows_of_supernodes: Index
 
 
-def find_elimination_order(K: sp.csc_array) -> Supernodes:
+def find_elimination_order(K: sp.csc_array) -> SymbolicFactor:
     """Compute the elimination order and the supernodes of a sparse matrix from its pattern, whatever its values.
 
     ``K``: sparse matrix of symmetric pattern (n, n).
     """
-    graph, group = compressed_graph(K)
+    graph, group = graph_of_equal_columns(K)
     dissected = _nested_dissection(graph, group)
     tree = _elimination_tree(graph[dissected][:, dissected])
-    order = dissected[(later := _postorder(tree))]
+    order = dissected[(later := _postorder_of_tree(tree))]
     first = _first_columns_of_supernodes(_renumbered_parents(tree, later))
     rows = _supernode_rows(graph[order][:, order], first)
     # from vertices to their degrees of freedom
@@ -67,15 +67,15 @@ def find_elimination_order(K: sp.csc_array) -> Supernodes:
     place = np.concatenate([[0], np.cumsum(weights[order])])
     at = np.concatenate(rows)
     starts = np.concatenate([[0], np.cumsum(weights[order[at]])])
-    return Supernodes(
-        freedoms[_concatenated_ranges(begin[order], weights[order])],
+    return SymbolicFactor(
+        freedoms[_concatenate_ranges(begin[order], weights[order])],
         place[first],
         starts[np.concatenate([[0], np.cumsum([row.size for row in rows])])],
-        _concatenated_ranges(place[at], weights[order[at]]),
+        _concatenate_ranges(place[at], weights[order[at]]),
     )
 
 
-def compressed_graph(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
+def graph_of_equal_columns(K: sp.csc_array) -> tuple[sp.csr_array, Index]:
     """Build the graph of a matrix in which all degrees of freedom with the same pattern of their columns form one vertex.
 
     The graph has no edge from a vertex to itself. It is symmetric, as elimination needs it, even if round-off
@@ -158,7 +158,7 @@ def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.c
     return sp.csr_array((weights, (rows.astype(np.int32), columns.astype(np.int32))), (n, n))
 
 
-def _postorder(parent: Index) -> Index:
+def _postorder_of_tree(parent: Index) -> Index:
     """Order the n vertices of a tree so that every subtree is contiguous and its root comes last ``(n,)``.
 
     ``parent``: parent of each vertex (n,), n for a root.
@@ -213,10 +213,10 @@ def _supernode_rows(graph: sp.csr_array, first: Index) -> list[Index]:
     return rows
 
 
-def _concatenated_ranges(first: Index, count: Index) -> Index:
+def _concatenate_ranges(first: Index, count: Index) -> Index:
     """Concatenate ranges of ``count`` consecutive numbers that begin at each of ``first``.
 
-    >>> _concatenated_ranges(np.array([4, 1]), np.array([3, 2]))
+    >>> _concatenate_ranges(np.array([4, 1]), np.array([3, 2]))
     array([4, 5, 6, 1, 2])
     """
     ends = np.cumsum(count)
@@ -233,11 +233,11 @@ class FrontUpdate(NamedTuple):
     #: Rows of the matrix that the front changes.
     rows: Index
     #: Indices of the columns of B in its border.
-    border: Index
+    load_columns: Index
     #: Schur complement ``(rows, rows)``, of which only the lower triangle is used.
-    block: Array
+    schur_complement: Array
     #: Border of the Schur complement ``(columns of B, rows)``.
-    loads: Array
+    load_block: Array
 
 
 class EliminatedFront(NamedTuple):
@@ -246,16 +246,16 @@ class EliminatedFront(NamedTuple):
     #: Rows of the front, its pivots first.
     rows: Index
     #: Indices of the columns of B in its border.
-    border: Index
+    load_columns: Index
     #: Cholesky factor of the pivot block ``(pivots, pivots)``.
-    L: Array
+    pivot_factor: Array
     #: Factor below the pivot block ``(other rows, pivots)``.
-    below: Array
+    factor_below_pivots: Array
     #: L^-1 applied to the border ``(columns of B, pivots)``.
-    share: Array
+    solved_loads: Array
 
 
-def inverse_product_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Array:
+def compliance_by_elimination(K: sp.csc_array, B: sp.csr_array, symbolic_factor: SymbolicFactor) -> Array:
     """Compute the matrix B^T K^-1 B by multifrontal elimination, without storing the factor of K.
 
     Parameters
@@ -264,7 +264,7 @@ def inverse_product_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernode
         Symmetric positive definite matrix, both triangles stored.
     B : (n, m) sparse array
         m loads as columns.
-    nodes : Supernodes
+    symbolic_factor : Supernodes
         Symbolic factor of K.
 
     Returns
@@ -278,20 +278,20 @@ def inverse_product_by_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernode
         K is not positive definite.
     """
     total = np.zeros((B.shape[1], B.shape[1]))
-    for front in _eliminate_fronts(K, B, nodes):
-        if front.border.size:
-            total[np.ix_(front.border, front.border)] += front.share @ front.share.T
+    for front in _eliminate_fronts(K, B, symbolic_factor):
+        if front.load_columns.size:
+            total[np.ix_(front.load_columns, front.load_columns)] += front.solved_loads @ front.solved_loads.T
     return total
 
 
-def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Array]:
+def factorise_by_elimination(K: sp.csc_array, symbolic_factor: SymbolicFactor) -> Callable[[Array], Array]:
     """Factorise a sparse positive definite matrix by multifrontal elimination, and return its solver.
 
     Parameters
     ----------
     K : (n, n) sparse array
         Symmetric positive definite matrix, both triangles stored.
-    nodes : Supernodes
+    symbolic_factor : Supernodes
         Symbolic factor of K.
 
     Returns
@@ -306,10 +306,10 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
         K is not positive definite.
     """
     size = K.shape[0]
-    fronts = list(_eliminate_fronts(K, sp.csr_array((size, 0)), nodes))
+    fronts = list(_eliminate_fronts(K, sp.csr_array((size, 0)), symbolic_factor))
 
     def solve(rhs: Array) -> Array:
-        x = rhs[nodes.order].reshape(size, -1)
+        x = rhs[symbolic_factor.elimination_order].reshape(size, -1)
         for rows, _, L, below, _ in fronts:
             pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
             x[pivots] = dtrsm(1.0, L, x[pivots], lower=1)
@@ -318,35 +318,35 @@ def factor_by_fronts(K: sp.csc_array, nodes: Supernodes) -> Callable[[Array], Ar
             pivots, later = slice(rows[0], rows[0] + len(L)), rows[len(L) :]
             x[pivots] = dtrsm(1.0, L, x[pivots] - below.T @ x[later], lower=1, trans_a=1)
         out = np.empty_like(x)
-        out[nodes.order] = x
+        out[symbolic_factor.elimination_order] = x
         return out.reshape(rhs.shape)
 
     return solve
 
 
-def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> Iterator[EliminatedFront]:
+def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, symbolic_factor: SymbolicFactor) -> Iterator[EliminatedFront]:
     """Eliminate a sparse matrix supernode by supernode, and yield the front (dense matrix) of each after its elimination.
 
-    ``K``: matrix (n, n); ``B``: loads (n, m), which the elimination transforms to L^-1 B; ``nodes``: symbolic factor of K.
-    Raises ArithmeticError if K is not positive definite.
+    ``K``: matrix (n, n); ``B``: loads (n, m), which the elimination transforms to L^-1 B; ``symbolic_factor``: symbolic
+    factor of K. Raises ArithmeticError if K is not positive definite.
     """
     place, local = np.empty((2, K.shape[0]), dtype=np.int64)  # of a freedom in the order, of a row in its front
-    place[nodes.order] = np.arange(K.shape[0])
-    owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
+    place[symbolic_factor.elimination_order] = np.arange(K.shape[0])
+    owner = np.repeat(np.arange(symbolic_factor.first_columns.size - 1), np.diff(symbolic_factor.first_columns))
     waiting: dict[int, list[FrontUpdate]] = {}
-    for k in range(nodes.first.size - 1):
-        low, high = int(nodes.first[k]), int(nodes.first[k + 1])
-        count, freedoms = high - low, nodes.order[low:high]
-        rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+    for k in range(symbolic_factor.first_columns.size - 1):
+        low, high = int(symbolic_factor.first_columns[k]), int(symbolic_factor.first_columns[k + 1])
+        count, freedoms = high - low, symbolic_factor.elimination_order[low:high]
+        rows = symbolic_factor.rows_of_supernodes[symbolic_factor.row_starts[k] : symbolic_factor.row_starts[k + 1]]
         local[rows] = np.arange(rows.size)
         children = waiting.pop(k, [])
-        loaded, load_of, loads = _list_entries_of_lines(B, freedoms)
-        border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
+        loaded, load_of, loads = _entries_of_rows_or_columns(B, freedoms)
+        border = np.unique(np.concatenate([loaded, *(child.load_columns for child in children)]))
         left = rows.size - count
         panel, block, bordering = (
             np.zeros(shape, order="F") for shape in ((rows.size, count), (left, left), (border.size, rows.size))
         )
-        coupled, column, stiffness = _list_entries_of_lines(K, freedoms)
+        coupled, column, stiffness = _entries_of_rows_or_columns(K, freedoms)
         at = place[coupled]
         kept = at >= low
         panel[local[at[kept]], column[kept]] = stiffness[kept]
@@ -354,10 +354,10 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> It
         for child in children:
             down = local[child.rows]
             split = int(np.searchsorted(down, count))
-            _add_lower_triangle(panel, down, child.block[:, :split])
-            _add_lower_triangle(block, down[split:] - count, child.block[split:, split:])
-            if child.border.size:
-                bordering[np.ix_(np.searchsorted(border, child.border), down)] += child.loads
+            _add_lower_triangle(panel, down, child.schur_complement[:, :split])
+            _add_lower_triangle(block, down[split:] - count, child.schur_complement[split:, split:])
+            if child.load_columns.size:
+                bordering[np.ix_(np.searchsorted(border, child.load_columns), down)] += child.load_block
         children.clear()
         done, update = _eliminate_front(panel, block, bordering, rows, border)
         if left:
@@ -365,7 +365,7 @@ def _eliminate_fronts(K: sp.csc_array, B: sp.csr_array, nodes: Supernodes) -> It
         yield done
 
 
-def _list_entries_of_lines(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
+def _entries_of_rows_or_columns(A: sp.csc_array | sp.csr_array, lines: Index) -> tuple[Index, Index, Array]:
     """List the entries of some columns of a csc matrix, or of some rows of a csr matrix.
 
     ``lines``: indices of these columns or rows. Returns, for each entry, the index of its row (csc) or column (csr), the
@@ -468,7 +468,7 @@ def factorise_positive_definite(K: sp.sparray) -> Solve:
     diagonal = _checked_positive_diagonal(matrix)
     by_fronts = matrix.shape[0] > SMALL
     solve = (
-        _run_elimination(lambda: factor_by_fronts(matrix, find_elimination_order(matrix)))
+        _eliminate_or_raise_factor_error(lambda: factorise_by_elimination(matrix, find_elimination_order(matrix)))
         if by_fronts
         else _superlu_solver(matrix)
     )
@@ -476,14 +476,14 @@ def factorise_positive_definite(K: sp.sparray) -> Solve:
     return solve
 
 
-def symmetric_compliance_of_loads(K: sp.sparray, rows: sp.sparray) -> Array:
+def symmetric_compliance_of_loads(K: sp.sparray, load_rows: sp.sparray) -> Array:
     """Compute the compliance R K^-1 R^T between several load cases R of a constrained body, made exactly symmetric.
 
     Parameters
     ----------
     K : (n, n) sparse array
         Stiffness matrix.
-    rows : (m, n) sparse array
+    load_rows : (m, n) sparse array
         Nodal forces R of m load cases, one in each row.
 
     Returns
@@ -501,11 +501,11 @@ def symmetric_compliance_of_loads(K: sp.sparray, rows: sp.sparray) -> Array:
     >>> symmetric_compliance_of_loads(sp.csc_array(np.diag([2.0, 4.0])), sp.csr_array(np.eye(2))).tolist()
     [[0.5, 0.0], [0.0, 0.25]]
     """
-    F = product_with_inverse(K, sp.csr_array(rows).T) if rows.shape[0] else np.zeros((0, 0))
+    F = compliance_of_load_columns(K, sp.csr_array(load_rows).T) if load_rows.shape[0] else np.zeros((0, 0))
     return np.asarray(0.5 * (F + F.T))
 
 
-def product_with_inverse(K: sp.sparray, B: sp.sparray) -> Array:
+def compliance_of_load_columns(K: sp.sparray, B: sp.sparray) -> Array:
     """Compute the matrix B^T K^-1 B for a stiffness K and loads B; a large K is eliminated without storing its factor.
 
     The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given,
@@ -534,7 +534,9 @@ def product_with_inverse(K: sp.sparray, B: sp.sparray) -> Array:
     if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
         loads = sp.hstack([columns, sp.csc_array((inner @ known)[:, None])]).tocsr()
-        solved = _run_elimination(lambda: inverse_product_by_fronts(inner, loads, find_elimination_order(inner)))
+        solved = _eliminate_or_raise_factor_error(
+            lambda: compliance_by_elimination(inner, loads, find_elimination_order(inner))
+        )
         answer = columns.T @ known
         off = np.linalg.norm(solved[:-1, -1] - answer)
         if off <= CHECKED * np.linalg.norm(answer):
@@ -573,7 +575,7 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
         )
 
 
-def _run_elimination(eliminate: Callable[[], T]) -> T:
+def _eliminate_or_raise_factor_error(eliminate: Callable[[], T]) -> T:
     """Call a function that eliminates a matrix, and turn its ArithmeticError into a FactorError with the column.
 
     ``eliminate``: function without arguments, whose result is returned.

@@ -18,25 +18,25 @@ import numpy as np
 
 from rollbench.hifi.contact.balls import ContactResult, SolverState, solve_contacts_of_all_balls
 from rollbench.hifi.coupling import (
-    PlacedSet,
+    PlacedNut,
     assemble_contact_compliance,
     average_over_pressure_functions,
-    ball_centre_to_groove_nodes,
     ball_motion_relative_to_grooves,
+    compliance_of_supported_screw,
     expected_touching_nodes,
     gap_closing_matrix,
-    gap_corrections_for_grid_positions,
-    helical_motion_at_nodes,
-    mount_screw,
-    normal_motion_by_modes,
-    rigid_body_normal_motion,
+    grid_position_gap_corrections,
+    normal_motion_by_rigid_motions,
+    normal_motion_of_nodes,
+    track_velocity_at_nodes,
+    vectors_from_ball_centre_to_nodes,
 )
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
-from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.beam import Frame
-from rollbench.hifi.shaft.mounting import MountedShaft
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
+from rollbench.hifi.setup import CondensedGeometry
+from rollbench.hifi.shaft.beam import ShaftSupports
+from rollbench.hifi.shaft.mounting import SupportedShaft
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.parts import Scene
 
 #: Remaining change of any contact load at which directions and gaps count as settled, over the mean load: a hundredth of
@@ -66,46 +66,46 @@ class ReferenceResult:
     #: "converged", or the reason why the solution did not converge.
     status: str
     #: Contact loads ``(n, 4)`` [N].
-    load: Array
+    contact_loads: Array
     #: Contact angles ``(n, 4)`` [rad]; not a number where a contact is open.
-    contact_angle: Array
+    contact_angles: Array
     #: Contact loads with normals and gaps frozen at the nominal state ``(n, 4)`` [N]; None if not requested.
-    frozen: Array | None
+    loads_with_nominal_normals: Array | None
     #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
-    stations: Array
+    centreline_positions: Array
     #: Translation and rotation of the centreline at these positions ``(s, 6)`` [m, rad].
-    centreline: Array
+    centreline_motion: Array
     #: Translation and rotation of the h housings that can move ``(h, 6)`` [m, rad].
-    housings: Array
+    housing_motions: Array
     #: Force of each nut or bearing on the shaft and moment about its centre ``(6,)`` [N, N m].
-    on_shaft: tuple[Array, ...]
+    forces_on_shaft: tuple[Array, ...]
     #: Axial shift of each nut relative to its housing [m].
-    offsets: tuple[float, ...]
+    nut_offsets: tuple[float, ...]
     #: Forces and gaps of all contact pairs.
-    contact: ContactResult
+    contact_solution: ContactResult
     #: Flanks (0 to 3) whose contacts may close.
-    sides: tuple[int, ...]
+    closable_flanks: tuple[int, ...]
     #: Contact normals of each nut or bearing ``(balls, nodes, 3)``.
-    directions: tuple[Array, ...]
+    contact_normals: tuple[Array, ...]
     #: Largest unbalanced force on a ball, over the largest contact load.
-    balance: float
+    unbalanced_ball_force: float
     #: Largest unbalanced force on a ball along its groove, over the largest contact load.
-    along_groove: float
+    unbalanced_force_along_groove: float
     #: Largest unbalanced force on shaft and housings along the rigid-body motions that no support prevents, over the
     #: largest contact load.
-    screw_balance: float
+    unbalanced_shaft_force: float
     #: Degrees of freedom of the equivalent monolithic mesh.
-    unknowns: int
+    degree_of_freedom_count: int
     #: Time of the solution [s].
-    seconds: float
+    solve_seconds: float
     #: Number of updates of normals and gaps.
-    updates: int
+    normal_update_count: int
     #: Largest change of a contact load that further updates may cause, if the loads still change [N]; else 0.
-    moving: float
+    remaining_load_change: float
 
 
 def solve_reference(
-    setup: Setup,
+    setup: CondensedGeometry,
     scene: Scene,
     *,
     updates: int = ROUNDS,
@@ -149,39 +149,45 @@ def solve_reference(
         unknown = sorted(leave_out - set(INGREDIENTS))
         raise ValueError(f"parts of the model to leave out: got {', '.join(unknown)}; allowed: {', '.join(INGREDIENTS)}")
     begin, moving = perf_counter(), updates > 0 and "moving normals" not in leave_out
-    placed = PlacedSet(setup, scene, tuple(s for s in setup.sides if sides is None or s in sides))
-    case = LoadCase((placed,), Frame.from_scene(scene), mount_screw(setup, scene, leave_out), leave_out)
-    return case.solve(updates or ROUNDS, slow_round_reporter(scene.name, begin, step), moving=moving, frozen=frozen)
+    placed = PlacedNut(setup, scene, tuple(s for s in setup.loaded_flanks if sides is None or s in sides))
+    case = LoadCase(
+        (placed,), ShaftSupports.from_scene(scene), compliance_of_supported_screw(setup, scene, leave_out), leave_out
+    )
+    return case.solve(updates or ROUNDS, make_slow_round_reporter(scene.name, begin, step), moving=moving, frozen=frozen)
 
 
 class ContactRound(NamedTuple):
     """Contact forces and rigid motions for given contact normals and gaps: one round of the iteration in `LoadCase`."""
 
     #: Forces, gaps and rigid motions.
-    result: ContactResult
+    contact_solution: ContactResult
     #: State from which the next round starts.
-    state: SolverState
+    solver_state: SolverState
     #: Contact normals of each nut or bearing ``(balls, n, 3)``.
-    directions: list[Array]
+    contact_normals: list[Array]
     #: Motion of the n nodes of each ball along their normals by unit rigid motions of the shaft and of h housings, for each
     #: nut or bearing ``(balls, n, 6 (1 + h))``.
-    rigid_normal_motion: list[Array]
+    normal_motion_by_rigid_motions: list[Array]
     #: Motion of the nodes of all contact pairs along their normals by the k rigid motions of shaft and housings that no
     #: support prevents ``(pairs, k)``.
-    by_rigid: Array
+    normal_motion_by_free_motions: Array
     #: Contact forces of each nut or bearing ``(balls, n)`` [N].
-    forces: list[Array]
+    nodal_forces_by_set: list[Array]
     #: Loads of all balls ``(balls, 4)`` [N].
-    load: Array
+    contact_loads: Array
     #: Contact angles of all balls ``(balls, 4)`` [rad].
-    angle: Array
+    contact_angles: Array
 
 
 class LoadCase:
     """Loads on one shaft with its nuts or bearings, solved in rounds that update contact normals and gaps."""
 
     def __init__(
-        self, sets: Sequence[PlacedSet], frame: Frame, mounted: MountedShaft, leave_out: frozenset[str] = frozenset()
+        self,
+        sets: Sequence[PlacedNut],
+        frame: ShaftSupports,
+        mounted: SupportedShaft,
+        leave_out: frozenset[str] = frozenset(),
     ) -> None:
         """Prepare the compliance, errors and directions of a load case.
 
@@ -191,7 +197,7 @@ class LoadCase:
             Nuts or bearings on the shaft.
         frame : Frame
             Supports, loads and housings.
-        mounted : MountedShaft
+        mounted : SupportedShaft
             Stretches of the shaft and nuts on housings, under their supports and loads.
         leave_out : frozenset[str], optional
             Names of parts of the model to leave out, from `INGREDIENTS`.
@@ -200,12 +206,12 @@ class LoadCase:
         self.C, self.rows = assemble_contact_compliance(sets, mounted, leave_out)
         self.on_mounted = self.rows < len(mounted.G)
         self.at_rest = np.zeros(self.rows.size)
-        self.at_rest[self.on_mounted] = mounted.loads[self.rows[self.on_mounted]]
-        drawn = [draw_specimen(p.scene, p.setup.layout) for p in sets]
-        self.radii = [d.ball_radius for d in drawn]
-        self.arms = [ball_centre_to_groove_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
-        self.along = [helical_motion_at_nodes(p) for p in sets]
-        self.load_motion = normal_motion_by_modes(self.C, self.at_rest)
+        self.at_rest[self.on_mounted] = mounted.mode_displacements_by_loads[self.rows[self.on_mounted]]
+        drawn = [draw_geometry_with_errors(p.scene_with_errors, p.geometry.ball_positions) for p in sets]
+        self.radii = [d.ball_radii for d in drawn]
+        self.arms = [vectors_from_ball_centre_to_nodes(p, d) for p, d in zip(sets, drawn, strict=True)]
+        self.along = [track_velocity_at_nodes(p) for p in sets]
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
         self.balls = sum(p.ball_count for p in sets)
 
     def solve_first_round(self) -> ContactRound:
@@ -230,30 +236,32 @@ class LoadCase:
         """
         moved = [_NO_MOTION for _ in self.sets]
         if moving:
-            z = self.C.coupling @ self.C.amplitude(last.result.forces) + self.at_rest
-            along = self.split_by_set(normal_motion_by_modes(self.C, z) + last.by_rigid @ self.rigid_amplitudes(last))
-            each = zip(self.sets, self.ball_motions(last), along, last.directions, strict=True)
+            z = self.C.mode_compliance @ self.C.modal_forces(last.contact_solution.forces) + self.at_rest
+            along = self.split_by_nut_or_bearing(
+                normal_motion_of_nodes(self.C, z) + last.normal_motion_by_free_motions @ self.free_motion_amplitudes(last)
+            )
+            each = zip(self.sets, self.ball_displacements_by_set(last), along, last.contact_normals, strict=True)
             moved = [ball_motion_relative_to_grooves(*of_set) for of_set in each]
         level = [
-            gap_corrections_for_grid_positions(*of_set)
-            for of_set in zip(self.sets, last.forces, last.directions, strict=True)
+            grid_position_gap_corrections(*of_set)
+            for of_set in zip(self.sets, last.nodal_forces_by_set, last.contact_normals, strict=True)
         ]
-        return self._solve_round(moved, level, last.state)
+        return self._solve_round(moved, level, last.solver_state)
 
-    def rigid_amplitudes(self, last: ContactRound) -> Array:
+    def free_motion_amplitudes(self, last: ContactRound) -> Array:
         """Return the factors ``(k,)`` on the k rigid motions that no support prevents, as solved in a round.
 
         ``last``: solution of the round. The rigid motions of shaft and housings [m, rad] are the columns of
-        `MountedShaft.motions`.
+        `SupportedShaft.motions`.
         """
-        return last.result.motions[3 * self.balls :]
+        return last.contact_solution.rigid_motions[3 * self.balls :]
 
-    def ball_motions(self, last: ContactRound) -> list[Array]:
+    def ball_displacements_by_set(self, last: ContactRound) -> list[Array]:
         """Return the displacements ``(balls, 3)`` [m] of the balls of each nut or bearing; ``last``: the solved round."""
         ends = np.cumsum([p.ball_count for p in self.sets])[:-1]
-        return np.split(last.result.motions[: 3 * self.balls].reshape(-1, 3), ends)
+        return np.split(last.contact_solution.rigid_motions[: 3 * self.balls].reshape(-1, 3), ends)
 
-    def split_by_set(self, pairs: Array) -> list[Array]:
+    def split_by_nut_or_bearing(self, pairs: Array) -> list[Array]:
         """Split values at the contact nodes of all balls into one array ``(balls, n)`` for each nut or bearing.
 
         ``pairs``: values at all contact pairs (pairs,); n: number of contact nodes of one ball.
@@ -262,16 +270,19 @@ class LoadCase:
         return [of_set.reshape(p.ball_count, -1) for p, of_set in zip(self.sets, np.split(pairs, ends), strict=True)]
 
     def _solve_round(
-        self, moved: Iterable[tuple[Array, Array]], level: Sequence[Array], start: SolverState | None
+        self,
+        relative_ball_motions: Iterable[tuple[Array, Array]],
+        gap_corrections: Sequence[Array],
+        start: SolverState | None,
     ) -> ContactRound:
         """Solve the contacts for given motions of the balls relative to their grooves and given corrections of the gaps.
 
-        ``moved``: for each nut or bearing, the motion across and along the track, as `ball_motion_relative_to_grooves`
-        gives it [m]; ``level``: for each, the corrections of the gaps for the mesh grid (balls, n) [m]; ``start``:
-        state of the last round, or None.
+        ``relative_ball_motions``: for each nut or bearing, the motion across and along the track, as
+        `ball_motion_relative_to_grooves` gives it [m]; ``gap_corrections``: for each, the corrections of the gaps for the
+        mesh grid (balls, n) [m]; ``start``: state of the last round, or None.
         """
         directions, by_rigid, rests, touching = [], [], [], []
-        for k, (p, (shift, slid)) in enumerate(zip(self.sets, moved, strict=True)):
+        for k, (p, (shift, slid)) in enumerate(zip(self.sets, relative_ball_motions, strict=True)):
             arms = self.arms[k] - shift
             length = np.linalg.norm(arms, axis=2)
             normals = arms / length[..., None]
@@ -280,35 +291,35 @@ class LoadCase:
             by_rigid.append(average_over_pressure_functions(p, self._normal_motion_by_rigid_motions(p, normals)))
             gap = average_over_pressure_functions(p, gap)
             directions.append(average_over_pressure_functions(p, normals))
-            rests.append((gap + level[k]).ravel())
+            rests.append((gap + gap_corrections[k]).ravel())
             touching += list(expected_touching_nodes(p, gap)) if start is None else []
-        motions = self.mounted.motions
+        motions = self.mounted.free_motions
         free_motions = np.concatenate([rows.reshape(-1, len(motions)) for rows in by_rigid]) @ motions
-        f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work])
+        f = np.concatenate([np.zeros(3 * self.balls), self.mounted.work_on_free_motions])
         N = gap_closing_matrix(directions, free_motions)
         result, state = solve_contacts_of_all_balls(
             self.C, np.concatenate(rests) + self.load_motion, N, f, start=start, touching=tuple(touching)
         )
-        forces = self.split_by_set(result.forces)
+        forces = self.split_by_nut_or_bearing(result.forces)
         resultants = [_contact_loads_and_angles(*of_set) for of_set in zip(self.sets, forces, directions, strict=True)]
         load, angle = (np.concatenate(x) for x in zip(*resultants, strict=True))
         return ContactRound(result, state, directions, by_rigid, free_motions, forces, load, angle)
 
-    def _normal_motion_by_rigid_motions(self, p: PlacedSet, normals: Array) -> Array:
+    def _normal_motion_by_rigid_motions(self, p: PlacedNut, normals: Array) -> Array:
         """Compute the motion of contact nodes along their normals by unit rigid motions of shaft and housings.
 
         ``normals``: contact normals at the n nodes of each ball (balls, n, 3). The result ``(balls, n, 6 (1 + h))`` holds
         six motions of the shaft, then six of each of h housings.
         """
-        out = np.zeros((*normals.shape[:2], len(self.mounted.motions)))
-        out[..., :6] = rigid_body_normal_motion(p, normals, self.mounted.origin, screw=True)
-        if p.housing is not None:
-            first, at = 6 + 6 * p.housing, self.frame.housings[p.housing].at
-            out[..., first : first + 6] = rigid_body_normal_motion(p, normals, at, screw=False)
+        out = np.zeros((*normals.shape[:2], len(self.mounted.free_motions)))
+        out[..., :6] = normal_motion_by_rigid_motions(p, normals, self.mounted.origin_position, screw=True)
+        if p.housing_index is not None:
+            first, at = 6 + 6 * p.housing_index, self.frame.housings[p.housing_index].at
+            out[..., first : first + 6] = normal_motion_by_rigid_motions(p, normals, at, screw=False)
         return out
 
-    def repeat_rounds(
-        self, last: ContactRound, most: int, step: Callable[[int], None], *, moving: bool
+    def iterate_to_constant_loads(
+        self, last: ContactRound, max_updates: int, step: Callable[[int], None], *, moving: bool
     ) -> tuple[ContactRound, int, float]:
         """Solve the contacts again with updated normals and gaps until the contact loads no longer change.
 
@@ -316,7 +327,7 @@ class LoadCase:
         ----------
         last : ContactRound
             Round to start from.
-        most : int
+        max_updates : int
             Largest number of updates.
         step : Callable[[int], None]
             Function that is called with the number of each round before it is solved.
@@ -332,17 +343,21 @@ class LoadCase:
         left : float
             Largest change of any load that further rounds may cause [N].
         """
-        loads = [last.load]
-        for done in range(most + 1):
+        loads = [last.contact_loads]
+        for done in range(max_updates + 1):
             left = remaining_load_change(loads)
-            if not last.result.converged or left <= SETTLED * _mean_of_nonzero_loads(last.load) or done == most:
+            if (
+                not last.contact_solution.converged
+                or left <= SETTLED * _mean_of_nonzero_loads(last.contact_loads)
+                or done == max_updates
+            ):
                 break
             step(done + 2)
             last = self.solve_next_round(last, moving=moving)
-            loads = [*loads[-2:], last.load]
+            loads = [*loads[-2:], last.contact_loads]
         return last, done, left
 
-    def judge_convergence(self, last: ContactRound, updates: int, left: float) -> tuple[str, float]:
+    def judge_convergence(self, last: ContactRound, updates: int, remaining_load_change: float) -> tuple[str, float]:
         """Judge whether a solution has converged.
 
         Parameters
@@ -351,7 +366,7 @@ class LoadCase:
             The last round.
         updates : int
             Number of updates.
-        left : float
+        remaining_load_change : float
             Largest change of any load that further rounds may cause [N].
 
         Returns
@@ -359,18 +374,20 @@ class LoadCase:
         status : str
             "converged", or the reason why the solution did not converge.
         moving : float
-            ``left`` if the loads still change, else 0 [N].
+            ``remaining_load_change`` if the loads still change, else 0 [N].
         """
-        if not last.result.converged:
-            return last.result.status, 0.0
-        if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.forces, strict=True)):
+        if not last.contact_solution.converged:
+            return last.contact_solution.status, 0.0
+        if any(_is_outermost_node_loaded(p, forces) for p, forces in zip(self.sets, last.nodal_forces_by_set, strict=True)):
             return AT_RIM, 0.0
-        if left > SETTLED * _mean_of_nonzero_loads(last.load):
-            left_words = f"loads may still move by {left:.2g} N after {updates} updates of directions and gaps"
-            return f"not settled: {left_words}", left
+        if remaining_load_change > SETTLED * _mean_of_nonzero_loads(last.contact_loads):
+            left_words = (
+                f"loads may still move by {remaining_load_change:.2g} N after {updates} updates of directions and gaps"
+            )
+            return f"not settled: {left_words}", remaining_load_change
         return "converged", 0.0
 
-    def shaft_motion(self, last: ContactRound) -> tuple[Array, Array, Array]:
+    def shaft_and_housing_motion(self, last: ContactRound) -> tuple[Array, Array, Array]:
         """Compute the motion of the shaft's centreline and of the housings.
 
         Parameters
@@ -387,12 +404,16 @@ class LoadCase:
         housings : (h, 6) Array
             Motion of the housings [m, rad].
         """
-        m, z, rigid = self.mounted, np.array(self.mounted.stations), self.mounted.motions @ self.rigid_amplitudes(last)
+        m, z, rigid = (
+            self.mounted,
+            np.array(self.mounted.centreline_positions),
+            self.mounted.free_motions @ self.free_motion_amplitudes(last),
+        )
         # contact loads press on the grooves: along the normals counted from ball to groove
-        forces, rows = self.C.amplitude(last.result.forces)[self.on_mounted], self.rows[self.on_mounted]
-        line = m.line + m.line_modes[:, :, rows] @ forces
-        line = line + np.array([rigid_motion_transfer_matrix(x - m.origin) @ rigid[:6] for x in z])
-        housings = m.housings + m.housings_modes[:, :, rows] @ forces + rigid[6:].reshape(-1, 6)
+        forces, rows = self.C.modal_forces(last.contact_solution.forces)[self.on_mounted], self.rows[self.on_mounted]
+        line = m.centreline_by_loads + m.centreline_by_modal_forces[:, :, rows] @ forces
+        line = line + np.array([rigid_motion_transfer_along_z(x - m.origin_position) @ rigid[:6] for x in z])
+        housings = m.housings_by_loads + m.housings_by_modal_forces[:, :, rows] @ forces + rigid[6:].reshape(-1, 6)
         z, first = np.unique(z, return_index=True)
         return z, line[first], housings
 
@@ -414,11 +435,11 @@ class LoadCase:
             Largest unbalanced force on shaft and housings along the rigid motions that no support prevents, over the
             largest contact load.
         """
-        nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.forces, last.directions, strict=True)]
-        along = [net @ p.setup.map.axes()[1] for p, net in zip(self.sets, nets, strict=True)]
-        rigid = last.by_rigid.T @ last.result.forces + self.mounted.work
+        nets = [(f[..., None] * d).sum(axis=1) for f, d in zip(last.nodal_forces_by_set, last.contact_normals, strict=True)]
+        along = [net @ p.geometry.groove_map.section_axes()[1] for p, net in zip(self.sets, nets, strict=True)]
+        rigid = last.normal_motion_by_free_motions.T @ last.contact_solution.forces + self.mounted.work_on_free_motions
         a, b, c = (float(np.abs(np.concatenate(x)).max(initial=0.0)) for x in (nets, along, [rigid]))
-        largest = max(float(last.load.max()), 1e-300)
+        largest = max(float(last.contact_loads.max()), 1e-300)
         return a / largest, b / largest, c / largest
 
     def forces_on_shaft(self, last: ContactRound) -> tuple[Array, ...]:
@@ -426,20 +447,20 @@ class LoadCase:
 
         Moments are about the centre of the nut or bearing.
         """
-        arms = [self.mounted.origin - p.shift - p.setup.scene.nut.position for p in self.sets]
-        each = zip(arms, last.rigid_normal_motion, last.forces, strict=True)
+        arms = [self.mounted.origin_position - p.origin_on_shaft - p.geometry.scene.nut.position for p in self.sets]
+        each = zip(arms, last.normal_motion_by_rigid_motions, last.nodal_forces_by_set, strict=True)
         return tuple(
-            rigid_motion_transfer_matrix(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each
+            rigid_motion_transfer_along_z(arm).T @ np.einsum("ink,in->k", rows[..., :6], f) for arm, rows, f in each
         )
 
     def solve(
-        self, most: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
+        self, max_updates: int, report: Callable[[int], None] = lambda _: None, *, moving: bool = True, frozen: bool = False
     ) -> ReferenceResult:
         """Solve the load case until its contact loads no longer change.
 
         Parameters
         ----------
-        most : int
+        max_updates : int
             Largest number of updates.
         report : Callable[[int], None], optional
             Function that is called with the number of each round before it is solved.
@@ -456,36 +477,36 @@ class LoadCase:
         begin = perf_counter()
         report(1)
         first = self.solve_first_round()
-        last, done, left = self.repeat_rounds(first, most, report, moving=moving)
+        last, done, left = self.iterate_to_constant_loads(first, max_updates, report, moving=moving)
         seconds = perf_counter() - begin
-        still = self.repeat_rounds(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
+        still = self.iterate_to_constant_loads(first, ROUNDS, report, moving=False)[0] if frozen and moving else last
         status, may_move = self.judge_convergence(last, done, left)
-        stations, centreline, housings = self.shaft_motion(last)
+        stations, centreline, housings = self.shaft_and_housing_motion(last)
         balance, along_groove, screw_balance = self.unbalanced_forces(last)
         return ReferenceResult(
             status=status,
-            load=last.load,
-            contact_angle=last.angle,
-            frozen=still.load if frozen else None,
-            stations=stations,
-            centreline=centreline,
-            housings=housings,
-            on_shaft=self.forces_on_shaft(last),
-            offsets=tuple(p.offset for p in self.sets),
-            contact=last.result,
-            sides=tuple(sorted({s for p in self.sets for s in p.sides})),
-            directions=tuple(last.directions),
-            balance=balance,
-            along_groove=along_groove,
-            screw_balance=screw_balance,
-            unknowns=sum(p.setup.unknowns for p in self.sets),
-            seconds=seconds,
-            updates=done,
-            moving=may_move,
+            contact_loads=last.contact_loads,
+            contact_angles=last.contact_angles,
+            loads_with_nominal_normals=still.contact_loads if frozen else None,
+            centreline_positions=stations,
+            centreline_motion=centreline,
+            housing_motions=housings,
+            forces_on_shaft=self.forces_on_shaft(last),
+            nut_offsets=tuple(p.nut_offset for p in self.sets),
+            contact_solution=last.contact_solution,
+            closable_flanks=tuple(sorted({s for p in self.sets for s in p.closable_flanks})),
+            contact_normals=tuple(last.contact_normals),
+            unbalanced_ball_force=balance,
+            unbalanced_force_along_groove=along_groove,
+            unbalanced_shaft_force=screw_balance,
+            degree_of_freedom_count=sum(p.geometry.degree_of_freedom_count for p in self.sets),
+            solve_seconds=seconds,
+            normal_update_count=done,
+            remaining_load_change=may_move,
         )
 
 
-def slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
+def make_slow_round_reporter(name: str, begin: float, step: Callable[[str], None]) -> Callable[[int], None]:
     """Return a function that reports the number of each round once a solution has taken longer than `SLOW` seconds.
 
     ``name``: name of the scene; ``begin``: time at which the solution began, of `perf_counter` [s]; ``step``: function that
@@ -535,25 +556,25 @@ def _mean_of_nonzero_loads(load: Array) -> float:
     return float(load[load > 0.0].mean()) if load.any() else 0.0
 
 
-def _contact_loads_and_angles(p: PlacedSet, forces: Array, normals: Array) -> tuple[Array, Array]:
+def _contact_loads_and_angles(p: PlacedNut, forces: Array, normals: Array) -> tuple[Array, Array]:
     """Compute the resultant load [N] and contact angle [rad] of every contact of a nut or bearing, ``(balls, 4)`` each.
 
     ``forces``: contact forces (balls, n) [N]; ``normals``: contact normals (balls, n, 3).
     """
-    x3, _, z3 = p.setup.map.axes()
+    x3, _, z3 = p.geometry.groove_map.section_axes()
     load, angle = np.zeros((p.ball_count, 4)), np.full((p.ball_count, 4), np.nan)
     for nodes, s in p.node_slices_of_flanks:
         total = (forces[:, nodes, None] * normals[:, nodes]).sum(axis=1)
         load[:, s] = np.linalg.norm(total, axis=1)
-        sx, sz = p.setup.map.signs[s]
+        sx, sz = p.geometry.groove_map.signs[s]
         angle[:, s] = np.where(load[:, s] > 0.0, np.arctan2(sz * (total @ z3), sx * (total @ x3)), np.nan)
     return load, angle
 
 
-def _is_outermost_node_loaded(p: PlacedSet, forces: Array) -> bool:
+def _is_outermost_node_loaded(p: PlacedNut, forces: Array) -> bool:
     """Return whether any ball of a nut or bearing presses on the outermost nodes of a contact zone.
 
     ``forces``: contact forces (balls, n) [N].
     """
-    rim = np.concatenate([p.setup.patches[s].groove.rim for s in p.sides])
+    rim = np.concatenate([p.geometry.patches_by_flank[s].groove_patch.on_zone_edge for s in p.closable_flanks])
     return bool((forces[:, rim] > 0.0).any())

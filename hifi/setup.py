@@ -23,30 +23,30 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.hifi.condensation import (
-    BallResponse,
-    NutResponse,
-    ScrewResponse,
-    SidePatches,
+    CondensedBall,
+    CondensedNut,
+    CondensedScrew,
+    FlankPatches,
     collect_flank_condensation_arguments,
     condense_ball,
     condense_nut,
     condense_patches_of_flank,
     condense_screw,
-    is_half_turn_of_left_flank,
+    is_left_flank_after_half_turn,
     turn_patches_to_right_flank,
 )
-from rollbench.hifi.meshing.part_meshes import Meshes, list_mesh_calls
+from rollbench.hifi.meshing.part_meshes import PartMeshes, list_part_mesh_calls
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.shaft.beam import ShaftSection, round_section, tube_section
-from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_ends
+from rollbench.hifi.shaft.mounting import correct_beam_stiffness, subtract_cut_end_flexibility
 from rollbench.hifi.shaft.section import (
     EquivalentBeam,
+    choose_lengths_of_fitted_shafts,
     compute_equivalent_beam,
     meshed_shaft_flexibility,
-    shaft_lengths,
     stiffness_of_grooved_shaft,
 )
-from rollbench.meshes.cache import Cache, StageDone
+from rollbench.meshes.cache import Cache, StageMessage
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import Scene
@@ -66,47 +66,47 @@ TOGETHER = 160
 
 
 @dataclass
-class Setup:
+class CondensedGeometry:
     """Screw, nut and balls of one geometry, meshed and condensed to compliance matrices, which all its load cases share."""
 
     #: Scene from which it was prepared.
     scene: Scene
     #: Map of the track.
-    map: GrooveMap
+    groove_map: GrooveMap
     #: Positions of the balls on the track.
-    layout: BallLayout
+    ball_positions: BallLayout
     #: Dimensions of the solid parts.
-    dims: Dimensions
+    solid_dimensions: Dimensions
     #: Mesh choices.
-    settings: Settings
+    mesh_settings: Settings
     #: Flanks (0 to 3) that may carry load.
-    sides: tuple[int, ...]
+    loaded_flanks: tuple[int, ...]
     #: Condensed patches of each flank.
-    patches: dict[int, SidePatches]
+    patches_by_flank: dict[int, FlankPatches]
     #: Condensed screw.
-    screw: ScrewResponse
+    condensed_screw: CondensedScrew
     #: Condensed nut; None: rigid.
-    nut: NutResponse | None
+    condensed_nut: CondensedNut | None
     #: Condensed ball.
-    ball: BallResponse
+    condensed_ball: CondensedBall
     #: Section of the shaft outside the 3D stretch.
-    section: ShaftSection
+    shaft_section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
-    homogenised: EquivalentBeam | None
+    equivalent_beam: EquivalentBeam | None
     #: Degrees of freedom of the equivalent monolithic mesh.
-    unknowns: int
+    degree_of_freedom_count: int
     #: Number of cells across the contact, smallest scaled Jacobian of each mesh, and largest deviation of the meshed
     #: grooves from their exact surface [m].
-    quality: dict[str, float]
+    mesh_quality: dict[str, float]
     #: Time of every stage [s]. A cached record counts with the time that its computation took, a parallel stage with its
     #: share of the elapsed time.
-    seconds: dict[str, float] = field(default_factory=dict)
+    seconds_by_stage: dict[str, float] = field(default_factory=dict)
     #: Sum of the memory peaks of all worker processes, without this process [MB].
-    others_MB: float = 0.0
+    worker_peak_memory_MB: float = 0.0
 
-    def body(self, side: int) -> ScrewResponse | NutResponse | None:
+    def condensed_body_of_flank(self, side: int) -> CondensedScrew | CondensedNut | None:
         """Return the condensed body on which a groove flank (0 to 3) lies: screw or nut; None for a rigid nut."""
-        return self.screw if side < 2 else self.nut
+        return self.condensed_screw if side < 2 else self.condensed_nut
 
 
 class _StageRunner:
@@ -120,7 +120,7 @@ class _StageRunner:
         self.seconds: dict[str, float] = {}
         self.others: dict[int, float] = {}
 
-    def run(self, jobs: Sequence[Job], processes: int) -> list[Any]:
+    def run(self, jobs: Sequence[RecordJob], processes: int) -> list[Any]:
         """Compute the results of jobs in several processes, and return them in the order of the jobs.
 
         A job computes one mesh or condensed part. When the last job of a stage is done, the stage is reported with the
@@ -128,29 +128,31 @@ class _StageRunner:
         stage.
         """
         start = perf_counter()
-        by_stage: dict[str, list[ComputedRecord]] = {job.stage: [] for job in jobs}
-        wanted = Counter(job.stage for job in jobs)
+        by_stage: dict[str, list[ComputedRecord]] = {job.stage_name: [] for job in jobs}
+        wanted = Counter(job.stage_name for job in jobs)
 
         def on_done(k: int, record: ComputedRecord) -> None:
-            records = by_stage[jobs[k].stage]
+            records = by_stage[jobs[k].stage_name]
             records.append(record)
-            if len(records) == wanted[jobs[k].stage]:
-                cached = [x.cached for x in records]
+            if len(records) == wanted[jobs[k].stage_name]:
+                cached = [x.from_cache for x in records]
                 origin = "" if not any(cached) else ", from the cache" if all(cached) else ", partly from the cache"
-                spent = sum(x.seconds for x in records)
-                self.step(StageDone(jobs[k].stage, f"{spent:.1f} s{origin}", cached=all(cached)))
+                spent = sum(x.elapsed_seconds for x in records)
+                self.step(StageMessage(jobs[k].stage_name, f"{spent:.1f} s{origin}", cached=all(cached)))
 
         done = compute_records(jobs, self.cache, processes, on_done)
-        share = (perf_counter() - start) / max(sum(record.seconds for record in done), 1e-9)
+        share = (perf_counter() - start) / max(sum(record.elapsed_seconds for record in done), 1e-9)
         for stage, records in by_stage.items():
-            self.seconds[stage] = sum((1.0 if record.cached else share) * record.cold_seconds for record in records)
+            self.seconds[stage] = sum(
+                (1.0 if record.from_cache else share) * record.seconds_without_cache for record in records
+            )
         for record in done:
-            if record.process != os.getpid() and record.peak_MB is not None:
-                self.others[record.process] = max(self.others.get(record.process, 0.0), record.peak_MB)
-        return [record.value for record in done]
+            if record.process_id != os.getpid() and record.peak_memory_MB is not None:
+                self.others[record.process_id] = max(self.others.get(record.process_id, 0.0), record.peak_memory_MB)
+        return [record.result for record in done]
 
 
-def prepare(
+def mesh_and_condense_geometry(
     scene: Scene,
     sides: tuple[int, ...],
     settings: Settings,
@@ -159,7 +161,7 @@ def prepare(
     *,
     cache: Cache | None = None,
     processes: int = 1,
-) -> Setup:
+) -> CondensedGeometry:
     """Mesh and condense the screw, nut and balls of one geometry.
 
     Parameters
@@ -193,12 +195,12 @@ def prepare(
         A worker process was ended from outside.
     """
     stages = _StageRunner(cache or Cache(None), step)
-    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
+    m, layout, dims = GrooveMap.from_scene(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     stations = tuple(sorted({z for case in (scene, *scenes) for z in case.stations}))
-    recipes, gather = list_mesh_calls(scene, m, layout, dims, sides, settings)
-    meshes = gather(*stages.run([Job("meshes", *recipe) for recipe in recipes], processes))
-    jobs = _patch_jobs(scene, m, dims, meshes, sides, settings)
-    records = stages.run([*jobs.values(), *_shaft_jobs(scene, m, dims, settings, stations)], processes)
+    recipes, gather = list_part_mesh_calls(scene, m, layout, dims, sides, settings)
+    meshes = gather(*stages.run([RecordJob("meshes", *recipe) for recipe in recipes], processes))
+    jobs = _list_patch_jobs(scene, m, dims, meshes, sides, settings)
+    records = stages.run([*jobs.values(), *_list_shaft_section_jobs(scene, m, dims, settings, stations)], processes)
     condensed = dict(zip(jobs, records[: len(jobs)], strict=True))
     patches = {s: condensed[s] if s in condensed else turn_patches_to_right_flank(condensed[s - 1]) for s in sides}
     section, *meshed = records[len(jobs) :]
@@ -206,36 +208,39 @@ def prepare(
         compute_equivalent_beam(m, scene.screw.bore / 2.0, scene.screw.material, section, meshed) if meshed else None
     )
 
-    bodies = _body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
+    bodies = _list_body_jobs(scene, layout, dims, meshes, sides, settings, patches, stations)
     together = processes if layout.z.size * len(sides) <= TOGETHER else 1
     screw, *nuts, ball = stages.run(bodies, together)
-    nut: NutResponse | None = nuts[0] if nuts else None
+    nut: CondensedNut | None = nuts[0] if nuts else None
     screw = _correct_screw_stiffness(screw, homogenised, m, layout, sides, stations)
-    unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * layout.z.size
-    unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * layout.z.size
-    return Setup(
+    unknowns = screw.degree_of_freedom_count + (nut.degree_of_freedom_count if nut else 0) + ball.unknowns * layout.z.size
+    unknowns += (
+        sum(p.groove_patch.degree_of_freedom_count + p.ball_patch.degree_of_freedom_count for p in patches.values())
+        * layout.z.size
+    )
+    return CondensedGeometry(
         scene=scene,
-        map=m,
-        layout=layout,
-        dims=dims,
-        settings=settings,
-        sides=sides,
-        patches=patches,
-        screw=screw,
-        nut=nut,
-        ball=ball,
-        section=homogenised.section if homogenised else section,
-        homogenised=homogenised,
-        unknowns=unknowns,
-        quality=_collect_mesh_quality(meshes, settings),
-        seconds=stages.seconds,
-        others_MB=sum(stages.others.values()),
+        groove_map=m,
+        ball_positions=layout,
+        solid_dimensions=dims,
+        mesh_settings=settings,
+        loaded_flanks=sides,
+        patches_by_flank=patches,
+        condensed_screw=screw,
+        condensed_nut=nut,
+        condensed_ball=ball,
+        shaft_section=homogenised.section if homogenised else section,
+        equivalent_beam=homogenised,
+        degree_of_freedom_count=unknowns,
+        mesh_quality=_collect_mesh_quality(meshes, settings),
+        seconds_by_stage=stages.seconds,
+        worker_peak_memory_MB=sum(stages.others.values()),
     )
 
 
-def _patch_jobs(
-    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, sides: tuple[int, ...], settings: Settings
-) -> dict[int, Job]:
+def _list_patch_jobs(
+    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: PartMeshes, sides: tuple[int, ...], settings: Settings
+) -> dict[int, RecordJob]:
     """List the jobs that condense the fine contact patches, by groove flank.
 
     ``m``: geometry of the track; ``dims``: dimensions of the solid parts; ``sides``: flanks that carry contacts. A right
@@ -246,20 +251,22 @@ def _patch_jobs(
         alike = (
             s - 1 in sides
             and settings.element == "Q2"
-            and is_half_turn_of_left_flank(m, s)
+            and is_left_flank_after_half_turn(m, s)
             and _have_mirrored_sockets(meshes, s)
         )
         if not alike:
-            jobs[s] = Job(
+            jobs[s] = RecordJob(
                 "patches",
                 condense_patches_of_flank,
                 collect_flank_condensation_arguments(scene, m, dims, meshes, s, settings),
-                SidePatches,
+                FlankPatches,
             )
     return jobs
 
 
-def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]) -> list[Job]:
+def _list_shaft_section_jobs(
+    scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings, stations: tuple[float, ...]
+) -> list[RecordJob]:
     """List the jobs that compute the beam stiffnesses of the shaft outside the part that is meshed in 3D.
 
     ``stations``: axial positions of all supports and loads [m]. One job computes a plain section; or one job computes a
@@ -267,9 +274,9 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     result depends, so that other nuts and loads find them in the cache. If no support or load lies outside the 3D part, the
     section has no effect, and a plain one is used.
     """
-    screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends(scene)
+    screw, e, (low, high) = scene.screw, scene.screw.material, dims.ends_of_meshed_screw(scene)
     outer, bore = screw.outer_diameter / 2.0, screw.bore / 2.0
-    section_job = partial(Job, "shaft section")
+    section_job = partial(RecordJob, "shaft section")
     beyond = dims.screw_held != "bore" and not all(low <= z <= high for z in stations)
     plain = dims.shaft_radius if beyond else outer
     if plain is not None:
@@ -277,47 +284,48 @@ def _shaft_jobs(scene: Scene, m: GrooveMap, dims: Dimensions, settings: Settings
     if m.rg == 0.0:
         return [section_job(tube_section, (outer, bore, e), ShaftSection)]
     meshed = [
-        section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple) for x in shaft_lengths(m)
+        section_job(meshed_shaft_flexibility, (m, outer, dims.hole, e, settings.cell, x), tuple)
+        for x in choose_lengths_of_fitted_shafts(m)
     ]
     return [section_job(stiffness_of_grooved_shaft, (m, outer, bore, e), tuple), *meshed]
 
 
-def _body_jobs(
+def _list_body_jobs(
     scene: Scene,
     layout: BallLayout,
     dims: Dimensions,
-    meshes: Meshes,
+    meshes: PartMeshes,
     sides: tuple[int, ...],
     settings: Settings,
-    patches: dict[int, SidePatches],
+    patches: dict[int, FlankPatches],
     stations: tuple[float, ...],
-) -> list[Job]:
+) -> list[RecordJob]:
     """List the jobs that condense screw, nut (if it is elastic) and ball to their contacts.
 
     ``stations``: axial positions of all supports and loads [m].
     """
-    screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends(scene)
+    screw, nut, ball, ends = scene.screw, scene.nut, scene.balls.material, dims.ends_of_meshed_screw(scene)
     inside = tuple(z for z in stations if ends[0] < z < ends[1])
-    on_screw = {s: p.groove for s, p in patches.items() if s < 2}
-    on_nut = {s: p.groove for s, p in patches.items() if s >= 2}
-    of_screw = (screw.material, nut, ends, inside, meshes.screw, layout, sides, on_screw, settings, dims)
-    of_nut = (nut.material, meshes.nut, layout, sides, on_nut, settings, dims)
-    nuts = [Job("nut", condense_nut, of_nut, NutResponse)]
+    on_screw = {s: p.groove_patch for s, p in patches.items() if s < 2}
+    on_nut = {s: p.groove_patch for s, p in patches.items() if s >= 2}
+    of_screw = (screw.material, nut, ends, inside, meshes.screw_mesh, layout, sides, on_screw, settings, dims)
+    of_nut = (nut.material, meshes.nut_mesh, layout, sides, on_nut, settings, dims)
+    nuts = [RecordJob("nut", condense_nut, of_nut, CondensedNut)]
     return [
-        Job("screw", condense_screw, of_screw, ScrewResponse),
+        RecordJob("screw", condense_screw, of_screw, CondensedScrew),
         *(nuts if scene.solid.nut == "elastic" else []),
-        Job("ball", condense_ball, (ball, meshes.ball, patches, settings), BallResponse),
+        RecordJob("ball", condense_ball, (ball, meshes.ball_mesh, patches, settings), CondensedBall),
     ]
 
 
 def _correct_screw_stiffness(
-    screw: ScrewResponse,
+    screw: CondensedScrew,
     homogenised: EquivalentBeam | None,
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
     stations: tuple[float, ...],
-) -> ScrewResponse:
+) -> CondensedScrew:
     """Correct the compliance of the screw's 3D mesh to the beam stiffness of the grooved shaft, and for its cut ends.
 
     ``homogenised``: uniform beam that is equivalent to the grooved shaft, or None for no correction; ``stations``: axial
@@ -326,11 +334,13 @@ def _correct_screw_stiffness(
     if homogenised is None:
         return screw
     along = np.repeat(layout.z, sum(s < 2 for s in sides))
-    stretch = correct_beam_stiffness(screw.stretch, screw.rigid, along, homogenised.section, homogenised.cut, m)
-    return replace(screw, stretch=subtract_cut_ends(stretch, homogenised.cut, m, stations))
+    stretch = correct_beam_stiffness(
+        screw.stretch, screw.modes_by_rigid_motions, along, homogenised.section, homogenised.cut_end_flexibility, m
+    )
+    return replace(screw, stretch=subtract_cut_end_flexibility(stretch, homogenised.cut_end_flexibility, m, stations))
 
 
-def _collect_mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float]:
+def _collect_mesh_quality(meshes: PartMeshes, settings: Settings) -> dict[str, float]:
     """Collect measures of mesh quality by name: elements across a contact, smallest scaled Jacobian of each mesh.
 
     The last one, "deviation", is the largest distance of the meshed grooves from their exact surface [m].
@@ -338,37 +348,37 @@ def _collect_mesh_quality(meshes: Meshes, settings: Settings) -> dict[str, float
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     return {
         "elements across 2b": across,
-        "screw": meshes.screw.quality.smallest,
-        "nut": meshes.nut.quality.smallest,
-        "ball": meshes.ball.quality.smallest,
-        "deviation": max(meshes.screw.deviation, meshes.nut.deviation),
+        "screw": meshes.screw_mesh.quality.smallest_jacobian,
+        "nut": meshes.nut_mesh.quality.smallest_jacobian,
+        "ball": meshes.ball_mesh.quality.smallest_jacobian,
+        "deviation": max(meshes.screw_mesh.flank_deviation, meshes.nut_mesh.flank_deviation),
     }
 
 
-def _have_mirrored_sockets(meshes: Meshes, side: int) -> bool:
+def _have_mirrored_sockets(meshes: PartMeshes, side: int) -> bool:
     """Return whether the sockets (pockets for fine patches) of a right flank are mirror images of those of the left one.
 
     ``side``: the right flank. Compared are the nodes and triangles of the sockets' faces in groove and ball.
     """
-    bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
+    bodies = (meshes.screw_mesh if side < 2 else meshes.nut_mesh, meshes.ball_mesh)
     return all(
-        np.array_equal(x.sockets[side].xi, x.sockets[side - 1].xi * AZIMUTH_TURNED)
-        and np.array_equal(np.sort(x.sockets[side].triangles[:, :3]), np.sort(x.sockets[side - 1].triangles[:, :3]))
+        np.array_equal(x.box_faces[side].xi, x.box_faces[side - 1].xi * AZIMUTH_TURNED)
+        and np.array_equal(np.sort(x.box_faces[side].triangles[:, :3]), np.sort(x.box_faces[side - 1].triangles[:, :3]))
         for x in bodies
     )
 
 
-class Job(NamedTuple):
+class RecordJob(NamedTuple):
     """One independent computation (such as a mesh or a condensed part) whose result may be cached; can be pickled."""
 
     #: Name of the stage of the set-up to which the job belongs.
-    stage: str
+    stage_name: str
     #: Function that computes the record, as for `Cache.get`.
-    build: Callable[..., Any]
+    compute: Callable[..., Any]
     #: Arguments of the function.
     arguments: tuple[Any, ...]
     #: Class of the record.
-    type_: type
+    result_type: type
 
 
 @dataclass(frozen=True)
@@ -376,23 +386,23 @@ class ComputedRecord:
     """Result of a `Job`, with the time and memory that its computation took."""
 
     #: The record.
-    value: Any
+    result: Any
     #: Time of computing or reading it [s].
-    seconds: float
+    elapsed_seconds: float
     #: Whether it came from the cache.
-    cached: bool
+    from_cache: bool
     #: Time of computing it, also if it came from the cache [s].
-    cold_seconds: float
+    seconds_without_cache: float
     #: Identifier of the process that computed it.
-    process: int
+    process_id: int
     #: Peak memory of that process [MB]; None: not measured.
-    peak_MB: float | None
+    peak_memory_MB: float | None
     #: Reason why that process no longer writes to the cache; empty if it writes.
     cache_fault: str = ""
 
 
 def compute_records(
-    jobs: Sequence[Job], cache: Cache, processes: int, report: Callable[[int, ComputedRecord], None] = lambda *_: None
+    jobs: Sequence[RecordJob], cache: Cache, processes: int, report: Callable[[int, ComputedRecord], None] = lambda *_: None
 ) -> list[ComputedRecord]:
     """Compute the results of independent jobs in several processes, of which this process is one.
 
@@ -422,7 +432,7 @@ def compute_records(
     if processes == 1 or len(jobs) < 2:
         alone = []
         for k, job in enumerate(jobs):
-            alone.append(_compute_or_read(job, cache))
+            alone.append(_compute_or_read_record(job, cache))
             report(k, alone[-1])
         return alone
     from joblib.executor import get_memmapping_executor  # the workers of joblib.Parallel, not further ones
@@ -433,7 +443,7 @@ def compute_records(
     others = get_memmapping_executor(helpers, **of_worker, max_nbytes=None)
     left, done, one_at_a_time = deque(enumerate(jobs)), dict[int, ComputedRecord](), Lock()
 
-    def take_jobs(maker: Callable[[Job], ComputedRecord]) -> None:
+    def take_jobs(maker: Callable[[RecordJob], ComputedRecord]) -> None:
         """Take jobs from the common queue and compute their results by the function ``maker``, until none is left."""
         while left:
             try:
@@ -444,15 +454,15 @@ def compute_records(
             with one_at_a_time:
                 report(k, done[k])
 
-    def run_in_worker(job: Job) -> ComputedRecord:
+    def run_in_worker(job: RecordJob) -> ComputedRecord:
         """Compute the result of a job in a worker process, and wait for it."""
-        found: ComputedRecord = others.submit(_compute_in_worker, job, cache).result()
+        found: ComputedRecord = others.submit(_compute_record_in_worker, job, cache).result()
         return found
 
     with without_restart_warnings(), ThreadPoolExecutor(helpers) as threads:
         helping = [threads.submit(take_jobs, run_in_worker) for _ in range(helpers)]
         try:
-            take_jobs(lambda job: _compute_or_read(job, cache))
+            take_jobs(lambda job: _compute_or_read_record(job, cache))
             for future in helping:
                 future.result()
         except BrokenProcessPool as error:
@@ -464,24 +474,24 @@ def compute_records(
             raise
         finally:
             left.clear()
-    away = [record.cached for record in done.values() if record.process != os.getpid()]
+    away = [record.from_cache for record in done.values() if record.process_id != os.getpid()]
     cache.hits += sum(away)
     cache.misses += len(away) - sum(away)
     for record in done.values():
-        cache.report(record.cache_fault)
+        cache.report_fault_and_stop(record.cache_fault)
     return [done[k] for k in range(len(jobs))]
 
 
-def _compute_in_worker(job: Job, cache: Cache) -> ComputedRecord:
+def _compute_record_in_worker(job: RecordJob, cache: Cache) -> ComputedRecord:
     """Compute the result of a job; called in a worker process, whose record of peak memory is reset first."""
     reset_peak_memory()
     cache.quiet = True
-    return _compute_or_read(job, cache)
+    return _compute_or_read_record(job, cache)
 
 
-def _compute_or_read(job: Job, cache: Cache) -> ComputedRecord:
+def _compute_or_read_record(job: RecordJob, cache: Cache) -> ComputedRecord:
     """Compute the result of a job in this process, or read it from the cache, and measure time and memory."""
     start, hits, cold = perf_counter(), cache.hits, cache.cold_seconds
-    value = cache.get(job.build, job.arguments, job.type_)
+    value = cache.get(job.compute, job.arguments, job.result_type)
     spent, known = perf_counter() - start, cache.cold_seconds - cold
     return ComputedRecord(value, spent, cache.hits > hits, known, os.getpid(), peak_memory_MB(), cache.fault)

@@ -14,13 +14,13 @@ from time import perf_counter
 
 import numpy as np
 
-from rollbench.hifi.coupling import PlacedSet
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
+from rollbench.hifi.coupling import PlacedNut
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.meshing.settings import nut_shift_for_axial_force
-from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, slow_round_reporter
-from rollbench.hifi.setup import Setup
-from rollbench.hifi.shaft.beam import Frame, ShaftSection, tube_section
-from rollbench.hifi.shaft.mounting import CarriedNut, MountedShaft, mount_stretches
+from rollbench.hifi.reference import ROUNDS, LoadCase, ReferenceResult, make_slow_round_reporter
+from rollbench.hifi.setup import CondensedGeometry
+from rollbench.hifi.shaft.beam import ShaftSection, ShaftSupports, tube_section
+from rollbench.hifi.shaft.mounting import NutOnHousing, SupportedShaft, join_and_support_shaft_parts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Errors, Scene, Support
@@ -38,18 +38,18 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 
 
 @dataclass(frozen=True)
-class SetBodies:
+class MeshedSetGeometry:
     """Geometry that is meshed in 3D for one of several nuts or bearings on a shaft, with the shaft around it."""
 
     #: Parts without errors, in local axial positions.
-    bodies: Scene
+    parts_without_errors: Scene
     #: Parts with their errors.
-    parts: Scene
+    parts_with_errors: Scene
     #: Axial position on the shaft of the origin of the local axial positions [m].
-    shift: float
+    origin_on_shaft: float
 
 
-def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
+def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, ...]:
     """Return the geometry that is meshed in 3D for each nut or bearing on a shaft.
 
     It includes the part of the shaft around the nut. This part ends half-way to the next nut or bearing, or earlier where
@@ -62,7 +62,7 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
 
     Returns
     -------
-    tuple[SetBodies, ...]
+    tuple[MeshedSetGeometry, ...]
         Bodies of each nut or bearing, in order.
 
     Raises
@@ -96,26 +96,26 @@ def describe_bodies_of_each_set(assembly: Assembly) -> tuple[SetBodies, ...]:
     stations = {*(x.at for x in assembly.supports), *(x.at for x in assembly.loads)}
     reach = min((*stations, *(x for face in faces for x in face))), max((*stations, *(x for face in faces for x in face)))
     return tuple(
-        _describe_bodies_of_one_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets)
+        _meshed_geometry_of_one_set(parts, assembly, room[k], stations, reach) for k, (_, parts) in enumerate(sets)
     )
 
 
-def _describe_bodies_of_one_set(
-    parts: Scene, assembly: Assembly, room: float, stations: set[float], reach: tuple[float, float]
-) -> SetBodies:
+def _meshed_geometry_of_one_set(
+    parts: Scene, assembly: Assembly, free_shaft_length: float, stations: set[float], shaft_span: tuple[float, float]
+) -> MeshedSetGeometry:
     """Return the geometry that is meshed in 3D for one of the nuts or bearings on a shaft.
 
-    ``parts``: parts of the nut or bearing; ``room``: length of shaft that is available beyond each of its faces [m];
-    ``stations``: axial positions of all supports and loads [m]; ``reach``: lowest and highest axial position of the nuts,
-    bearings, supports and loads on the shaft [m].
+    ``parts``: parts of the nut or bearing; ``free_shaft_length``: length of shaft that is available beyond each of its
+    faces [m]; ``stations``: axial positions of all supports and loads [m]; ``shaft_span``: lowest and highest axial
+    position of the nuts, bearings, supports and loads on the shaft [m].
     """
     wanted = SHAFT * parts.track.pitch_radius if parts.solid.shaft is None else parts.solid.shaft
-    half = parts.nut.length / 2.0 + min(wanted, room)
+    half = parts.nut.length / 2.0 + min(wanted, free_shaft_length)
     position = min(parts.nut.position, half)
     shift = parts.nut.position - position
     high = min(position + half, assembly.screw.length - shift)
     inner = [z - shift for z in stations if 0.0 <= z - shift <= high]
-    beyond = [-half] * (reach[0] < shift) + [high + half] * (reach[1] > shift + high)
+    beyond = [-half] * (shaft_span[0] < shift) + [high + half] * (shaft_span[1] > shift + high)
     scene = replace(
         parts,
         name="",
@@ -124,7 +124,7 @@ def _describe_bodies_of_one_set(
         assumed=(),
         nut=replace(parts.nut, position=position),
         screw=replace(parts.screw, length=high),
-        solid=replace(parts.solid, shaft=min(wanted, room)),
+        solid=replace(parts.solid, shaft=min(wanted, free_shaft_length)),
         supports=tuple(Support(z, ()) for z in sorted((*inner, *beyond))),
         loads=(),
         friction=None,
@@ -132,11 +132,15 @@ def _describe_bodies_of_one_set(
         circulation=None,
         time=None,
     )
-    return SetBodies(replace(scene, errors=Errors()), scene, shift)
+    return MeshedSetGeometry(replace(scene, errors=Errors()), scene, shift)
 
 
-def solve_sets(
-    assembly: Assembly, setups: Sequence[Setup], *, frozen: bool = False, step: Callable[[str], None] = lambda _: None
+def solve_nuts_on_one_shaft(
+    assembly: Assembly,
+    setups: Sequence[CondensedGeometry],
+    *,
+    frozen: bool = False,
+    step: Callable[[str], None] = lambda _: None,
 ) -> ReferenceResult:
     """Solve the contacts of several nuts or bearings on one shaft.
 
@@ -145,7 +149,7 @@ def solve_sets(
     assembly : Assembly
         The shaft with its nuts and bearings.
     setups : Sequence[Setup]
-        Prepared bodies of each nut or bearing (`describe_bodies_of_each_set`), in order.
+        Prepared bodies of each nut or bearing (`meshed_geometry_of_each_set`), in order.
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps.
     step : Callable[[str], None], optional
@@ -162,17 +166,22 @@ def solve_sets(
         There are rollers or an inner ring on a housing, two nuts or bearings overlap, the shaft is heated, or a rigid nut
         is on a housing that moves.
     """
-    begin, frame = perf_counter(), Frame.from_scene(assembly)
-    each = zip(assembly.sets, describe_bodies_of_each_set(assembly), setups, strict=True)
-    placed = tuple(PlacedSet(up, b.parts, up.sides, b.shift, frame.housing_index(s.housing), s.offset) for s, b, up in each)
-    mounted = _mount_assembly(assembly, placed, frame)
+    begin, frame = perf_counter(), ShaftSupports.from_scene(assembly)
+    each = zip(assembly.sets, meshed_geometry_of_each_set(assembly), setups, strict=True)
+    placed = tuple(
+        PlacedNut(up, b.parts_with_errors, up.loaded_flanks, b.origin_on_shaft, frame.housing_index(s.housing), s.offset)
+        for s, b, up in each
+    )
+    mounted = _compliance_of_supported_shaft(assembly, placed, frame)
     placed, unmet = _find_shifts_for_preloads(assembly, placed, frame)
-    found = LoadCase(placed, frame, mounted).solve(ROUNDS, slow_round_reporter(assembly.name, begin, step), frozen=frozen)
+    found = LoadCase(placed, frame, mounted).solve(
+        ROUNDS, make_slow_round_reporter(assembly.name, begin, step), frozen=frozen
+    )
     status = f"not converged: {unmet}" if unmet and found.status == "converged" else found.status
-    return replace(found, status=status, seconds=perf_counter() - begin)
+    return replace(found, status=status, solve_seconds=perf_counter() - begin)
 
 
-def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Frame) -> MountedShaft:
+def _compliance_of_supported_shaft(assembly: Assembly, placed: Sequence[PlacedNut], frame: ShaftSupports) -> SupportedShaft:
     """Compute the compliance of the shaft at the contacts of its nuts and bearings, under its supports and loads.
 
     The 3D parts of the shaft are joined by beams; nuts on movable housings are included. ``placed``: the nuts and bearings
@@ -180,27 +189,35 @@ def _mount_assembly(assembly: Assembly, placed: Sequence[PlacedSet], frame: Fram
     """
     carried = []
     for p in placed:
-        if p.housing is None:
+        if p.housing_index is None:
             continue
-        if p.setup.nut is None:
+        if p.geometry.condensed_nut is None:
             raise ValueError(
                 "the 3D reference cannot model a rigid nut on a movable housing: make the nut elastic, or fix the housing"
             )
-        at = frame.housings[p.housing].at - p.shift
-        carried.append(CarriedNut(p.setup.nut.G, p.setup.nut.rigid @ rigid_motion_transfer_matrix(-at), p.housing))
-    stretches = [p.setup.screw.stretch.shift_along_shaft(p.shift) for p in placed]
+        at = frame.housings[p.housing_index].at - p.origin_on_shaft
+        carried.append(
+            NutOnHousing(
+                p.geometry.condensed_nut.G,
+                p.geometry.condensed_nut.modes_by_rigid_motions @ rigid_motion_transfer_along_z(-at),
+                p.housing_index,
+            )
+        )
+    stretches = [p.geometry.condensed_screw.stretch.shift_along_shaft(p.origin_on_shaft) for p in placed]
     steps = [z for segment in assembly.segments for z in (segment.start, segment.end)]
-    return mount_stretches(stretches, frame, _section_function(assembly, placed), steps, carried)
+    return join_and_support_shaft_parts(stretches, frame, _shaft_section_by_position(assembly, placed), steps, carried)
 
 
-def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callable[[float], ShaftSection]:
+def _shaft_section_by_position(assembly: Assembly, placed: Sequence[PlacedNut]) -> Callable[[float], ShaftSection]:
     """Return a function that gives the beam stiffnesses of the shaft's cross-section at an axial position [m].
 
     On a plain segment of the shaft they are those of the segment, elsewhere those of the first threaded part.
     """
-    screw, threads = assembly.screw, [p.setup for p in placed if p.setup.map.rg != 0.0]
-    known = [setup for setup in threads if setup.homogenised is not None or setup.dims.shaft_radius is not None]
-    base = known[0].section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
+    screw, threads = assembly.screw, [p.geometry for p in placed if p.geometry.groove_map.rg != 0.0]
+    known = [
+        setup for setup in threads if setup.equivalent_beam is not None or setup.solid_dimensions.shaft_radius is not None
+    ]
+    base = known[0].shaft_section if known else tube_section(screw.outer_diameter / 2.0, screw.bore / 2.0, screw.material)
     plain = [(s.start, s.end, tube_section(s.diameter / 2.0, s.bore / 2.0, screw.material)) for s in assembly.segments]
 
     def at(z: float) -> ShaftSection:
@@ -210,8 +227,8 @@ def _section_function(assembly: Assembly, placed: Sequence[PlacedSet]) -> Callab
 
 
 def _find_shifts_for_preloads(
-    assembly: Assembly, placed: tuple[PlacedSet, ...], frame: Frame
-) -> tuple[tuple[PlacedSet, ...], str]:
+    assembly: Assembly, placed: tuple[PlacedNut, ...], frame: ShaftSupports
+) -> tuple[tuple[PlacedNut, ...], str]:
     """Find the axial shifts of the nuts in their housings that produce the prescribed preload forces without other loads.
 
     The shifts are found by a secant (quasi-Newton) method on the logarithms of force and shift, in which a power law is
@@ -223,24 +240,24 @@ def _find_shifts_for_preloads(
         return placed, ""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in frame.housings)
     bare = replace(frame, loads=(), housings=idle)
-    mounted = _mount_assembly(replace(assembly, loads=()), placed, bare)
+    mounted = _compliance_of_supported_shaft(replace(assembly, loads=()), placed, bare)
     goal = np.log([assembly.sets[k].preload for k in preloaded])
 
-    def with_shifted_nuts(depth: Array) -> tuple[PlacedSet, ...]:
+    def with_shifted_nuts(depth: Array) -> tuple[PlacedNut, ...]:
         """Return the nuts or bearings with the preloaded nuts shifted by exp(depth) [m] against their thrust direction."""
         out = list(placed)
         for k, x in zip(preloaded, np.exp(depth), strict=True):
             away = -1.0 if assembly.sets[k].thrust == "+z" else 1.0
-            out[k] = replace(out[k], offset=out[k].offset + away * float(x))
+            out[k] = replace(out[k], nut_offset=out[k].nut_offset + away * float(x))
         return tuple(out)
 
     def logarithm_of_force_ratio(depth: Array) -> Array:
         """Return the logarithm of the force of each preloaded nut over its preload, for shifts exp(depth) [m]."""
         found = LoadCase(with_shifted_nuts(depth), bare, mounted).solve(ROUNDS)
-        force = np.abs([wrench[2] for wrench in found.on_shaft])[preloaded]
+        force = np.abs([wrench[2] for wrench in found.forces_on_shaft])[preloaded]
         return np.asarray(np.log(np.maximum(force, 1e-300)) - goal)
 
-    depth = np.log([nut_shift_for_axial_force(placed[k].scene, assembly.sets[k].preload) for k in preloaded])
+    depth = np.log([nut_shift_for_axial_force(placed[k].scene_with_errors, assembly.sets[k].preload) for k in preloaded])
     value, steps = logarithm_of_force_ratio(depth), DIFFERENCE * np.eye(len(preloaded))
     slope = np.column_stack([(logarithm_of_force_ratio(depth + step) - value) / DIFFERENCE for step in steps])
     for _ in range(STEPS):

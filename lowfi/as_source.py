@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
-from rollbench.lowfi.statics.contacts import with_error_free_hertz
-from rollbench.lowfi.statics.held import free_motions
+from rollbench.lowfi.statics.contacts import scene_with_error_free_hertz
+from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState, build_problem
 from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
-from rollbench.lowfi.statics.selection import flank_motions_of_beam
-from rollbench.lowfi.statics.shape import shape_polynomials
+from rollbench.lowfi.statics.selection import all_flank_motions_by_screw
+from rollbench.lowfi.statics.shape import beam_shape_functions
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
@@ -38,21 +38,21 @@ MOST = 60
 
 
 @dataclass(frozen=True)
-class SourceSolution:
+class LinEquationsSolution:
     """Solution of Lin's equilibrium equations for N balls and n beam nodes; the last iterate if Newton's method failed."""
 
     #: ``"converged"``, or the reason of the failure.
     status: str
     #: Normal forces of the balls on the four groove flanks SL, SR, NL, NR ``(N, 4)`` [N].
-    load: Array
+    contact_loads: Array
     #: Contact angles of the balls on the four groove flanks ``(N, 4)`` [rad].
-    contact_angle: Array
+    contact_angles: Array
     #: Displacements of the ball centres from their nominal positions, radial and binormal ``(N, 2)`` [m].
-    centre: Array
+    ball_displacements: Array
     #: Displacements and rotations of the nodes of the screw's beam ``(n, 6)`` [m, rad].
-    motion: Array
+    node_motions: Array
     #: Reactions of the supports ``(n, 6)`` [N, N m].
-    reactions: Array
+    support_reactions: Array
     #: Number of Newton steps.
     iterations: int
     #: Relative residual: largest unbalanced force over the largest force, or largest contact condition over the groove
@@ -61,7 +61,7 @@ class SourceSolution:
     #: Time that the solution took [s].
     seconds: float
     #: Number of unknowns.
-    unknowns: int
+    unknown_count: int
 
     @property
     def converged(self) -> bool:
@@ -69,7 +69,7 @@ class SourceSolution:
         return self.status == "converged"
 
 
-def element_stiffness(length: float, s: BeamSection) -> Array:
+def beam_element_stiffness_matrix(length: float, s: BeamSection) -> Array:
     """Return the stiffness matrix ``(12, 12)`` [N/m, N, N m] of a Timoshenko beam element along z.
 
     Rows and columns are ux, uy, uz, rx, ry, rz of the first node, then of the second.
@@ -103,7 +103,7 @@ def element_stiffness(length: float, s: BeamSection) -> Array:
     return k
 
 
-def beam_stiffness_of_screw(problem: Problem) -> Array:
+def screw_beam_stiffness_matrix(problem: Problem) -> Array:
     """Return the stiffness matrix ``(6 n, 6 n)`` of the screw, a beam with n nodes, as a dense array.
 
     ``problem``: arrays of the scene, with the positions of the nodes and the section of the beam.
@@ -111,12 +111,12 @@ def beam_stiffness_of_screw(problem: Problem) -> Array:
     n = problem.nodes.size
     k = np.zeros((6 * n, 6 * n))
     for e, length in enumerate(np.diff(problem.nodes)):
-        k[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += element_stiffness(float(length), problem.section)
+        k[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += beam_element_stiffness_matrix(float(length), problem.section)
     return k
 
 
 @dataclass
-class System:
+class LinEquations:
     """Lin's equilibrium equations of one ball screw with N balls: constants, and functions for the motion of the flanks."""
 
     #: Arrays of the scene.
@@ -127,9 +127,9 @@ class System:
     K: Array
     #: Indices of the free unknowns among all 6 N + 6 n (ball centres, contact angles, nodal motions); the others are
     #: prescribed.
-    free: NDArray[np.int64]
+    free_unknowns: NDArray[np.int64]
     #: Radial and binormal unit vector of the groove's cross-section at each ball ``(N, 2, 3)``.
-    axes: Array
+    section_axes: Array
 
     def flank_motion_matrices(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
         """Return the matrices that give the motion of a flank at its contacts from the motions of the screw's nodes.
@@ -150,21 +150,21 @@ class System:
         p = self.problem
         if self.kinematics == "arc":
             zero = np.zeros_like(p.B[:, side])
-            return 6 * p.node[:, side], p.B[:, side], zero, zero
+            return 6 * p.first_nodes[:, side], p.B[:, side], zero, zero
         layout = p.layout
-        a, a1, a2 = self.flank(side, gamma)
+        a, a1, a2 = self.contact_point_on_flank(side, gamma)
         x = layout.centre + a[:, :1] * layout.radial + a[:, 1:] * layout.binormal
         x1 = a1[:, :1] * layout.radial + a1[:, 1:] * layout.binormal
         x2 = a2[:, :1] * layout.radial + a2[:, 1:] * layout.binormal
         j = np.clip(np.searchsorted(p.nodes, x[:, 2], side="right") - 1, 0, p.nodes.size - 2)
         length = np.diff(p.nodes)[j]
         xi = (x[:, 2] - p.nodes[j]) / length
-        n0, n1, n2 = (shape_polynomials(xi, length, p.section, order) for order in range(3))
+        n0, n1, n2 = (beam_shape_functions(xi, length, p.section, order) for order in range(3))
         flat = np.array([1.0, 1.0, 0.0])
 
         def arm(r: Array) -> Array:
             """Return the cross products of r (without its axial component) with both axes of each ball's section."""
-            return np.cross((r * flat)[:, None, :], self.axes)
+            return np.cross((r * flat)[:, None, :], self.section_axes)
 
         def motion(n: Array, lever: Array | None) -> Array:
             """Return the flank's motion matrix from shape functions n: by translation, and by rotation with ``lever``.
@@ -172,8 +172,8 @@ class System:
             ``lever``: lever arm vectors, from ``arm``; None: without rotation.
             """
             if lever is None:
-                return self.axes @ n[:, :3]
-            return self.axes @ n[:, :3] + lever @ n[:, 3:]
+                return self.section_axes @ n[:, :3]
+            return self.section_axes @ n[:, :3] + lever @ n[:, 3:]
 
         s1, s2 = (x1[:, 2] / length)[:, None, None], (x2[:, 2] / length)[:, None, None]
         m0 = motion(n0, arm(x))
@@ -181,30 +181,30 @@ class System:
         m2 = s1**2 * motion(n2, arm(x)) + s2 * motion(n1, arm(x)) + 2.0 * s1 * (arm(x1) @ n1[:, 3:]) + arm(x2) @ n0[:, 3:]
         return 6 * j, m0, m1, m2
 
-    def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
+    def contact_point_on_flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
         """Return the contact point A(gamma) on a groove flank at given contact angles, and its first two angle derivatives.
 
         ``side``: number of the flank, 0 or 1 on the screw, 2 or 3 on the nut; ``gamma``: contact angles of N balls (N,)
         [rad]. Each result is (N, 2): radial and binormal coordinate [m], from the nominal ball centre (Lin 2.3 and 2.27).
         """
         drawn = self.problem.drawn
-        r, r1, r2 = groove_radius_with_slopes(gamma, drawn.radius[side], drawn.profile[side])
+        r, r1, r2 = groove_radius_with_slopes(gamma, drawn.groove_radii[side], drawn.profile_coefficients[side])
         c, s = np.cos(gamma), np.sin(gamma)
         sx, sz = SIGNS[side]
-        a = np.stack([sx * r * c, sz * r * s], -1) + drawn.centre[:, side]
+        a = np.stack([sx * r * c, sz * r * s], -1) + drawn.groove_centres[:, side]
         a1 = np.stack([sx * (r1 * c - r * s), sz * (r1 * s + r * c)], -1)
         a2 = np.stack([sx * ((r2 - r) * c - 2.0 * r1 * s), sz * ((r2 - r) * s + 2.0 * r1 * c)], -1)
         return a, a1, a2
 
 
 def _contact_geometry_and_forces(
-    system: System, p: Array, gamma: Array, u: Array, side: int
+    system: LinEquations, ball_positions: Array, gamma: Array, node_motions: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
     """Return geometry, forces and motion matrices of the contacts of all N balls with one groove flank.
 
-    ``p``: positions of the ball centres, radial and binormal ``(N, 2)`` [m]; ``gamma``: contact angles ``(N,)`` [rad];
-    ``u``: motions of the beam's nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number of the flank, 0 or 1 on
-    the screw, 2 or 3 on the nut.
+    ``ball_positions``: positions of the ball centres, radial and binormal ``(N, 2)`` [m]; ``gamma``: contact angles
+    ``(N,)`` [rad]; ``node_motions``: motions of the beam's nodes, one after the other ``(6 n,)`` [m, rad]; ``side``: number
+    of the flank, 0 or 1 on the screw, 2 or 3 on the nut.
 
     Returns
     -------
@@ -214,25 +214,25 @@ def _contact_geometry_and_forces(
         nodal unknown, and the matrices from nodal motions to the flank's motion and their derivative by the contact angle.
     """
     problem = system.problem
-    a, t, t1 = system.flank(side, gamma)
-    count = p.shape[0]
+    a, t, t1 = system.contact_point_on_flank(side, gamma)
+    count = ball_positions.shape[0]
     if side < 2:
         dof, m0, m1, m2 = system.flank_motion_matrices(side, gamma)
-        u_local = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
+        u_local = node_motions[dof[:, None] + np.arange(m0.shape[2])[None, :]]
         a = a + np.einsum("nak,nk->na", m0, u_local)
         t = t + np.einsum("nak,nk->na", m1, u_local)
         t1 = t1 + np.einsum("nak,nk->na", m2, u_local)
     else:
         dof, m0, m1 = np.zeros(count, dtype=np.int64), np.zeros((count, 2, 0)), np.zeros((count, 2, 0))
-    d = p - a
+    d = ball_positions - a
     dist = np.linalg.norm(d, axis=1)
     n = d / dist[:, None]
-    c, delta = problem.C[:, side], problem.drawn.ball_radius - dist
+    c, delta = problem.C[:, side], problem.drawn.ball_radii - dist
     return n, t, t1, dist, contact_force(delta, c), contact_stiffness_at_approach(delta, c), dof, m0, m1
 
 
 def equations_and_jacobian(
-    system: System, x: Array, load: Array, *, jacobian: bool = True
+    system: LinEquations, unknowns: Array, load: Array, *, jacobian: bool = True
 ) -> tuple[Array, Array | None, Array]:
     """Return the residuals of Lin's equations for balls and screw, their Jacobian, and the contact loads.
 
@@ -243,7 +243,7 @@ def equations_and_jacobian(
     ----------
     system
         Constants of the equations.
-    x
+    unknowns
         Unknowns: radial and binormal positions of the N ball centres [m], then the four contact angles of each ball [rad],
         then the six motions of each of the n nodes [m, rad].
     load
@@ -258,9 +258,13 @@ def equations_and_jacobian(
     """
     problem = system.problem
     count = problem.C.shape[0]
-    p, gamma, u = x[: 2 * count].reshape(count, 2), x[2 * count : 6 * count].reshape(count, 4), x[6 * count :]
-    phi = np.zeros(x.size)
-    jac = np.zeros((x.size, x.size)) if jacobian else None
+    p, gamma, u = (
+        unknowns[: 2 * count].reshape(count, 2),
+        unknowns[2 * count : 6 * count].reshape(count, 4),
+        unknowns[6 * count :],
+    )
+    phi = np.zeros(unknowns.size)
+    jac = np.zeros((unknowns.size, unknowns.size)) if jacobian else None
     balls = np.arange(count)
     rows_p, rows_g, base = 2 * balls[:, None] + np.arange(2), 2 * count + 4 * balls, 6 * count
     phi[base:] = system.K @ u - load
@@ -299,7 +303,7 @@ def equations_and_jacobian(
     return phi, jac, forces
 
 
-def initial_state(system: System, start: Start, fraction: float) -> Array:
+def newton_start_values(system: LinEquations, start: Start, fraction: float) -> Array:
     """Return the unknowns ``(6 N + 6 n,)`` from which Newton's method starts: the nominal state, or a designer's guess.
 
     The guess (if ``start`` is not "nominal") displaces the screw along its axis as if all balls carried equal shares of the
@@ -322,15 +326,15 @@ def initial_state(system: System, start: Start, fraction: float) -> Array:
     return np.concatenate([p.ravel(), gamma.ravel(), u.ravel()])
 
 
-def solve_by_source_equations(
+def solve_by_lin_equations(
     scene: Scene,
     *,
     kinematics: Kinematics = "source",
-    start: Start = "guess",
+    start_values: Start = "guess",
     everything: bool = False,
     member: int = 0,
     tolerance: float = 1e-12,
-) -> SourceSolution:
+) -> LinEquationsSolution:
     """Solve a scene by Lin's equations and Newton's method without line search (eq. 2.26 of Lin's thesis).
 
     Parameters
@@ -340,9 +344,9 @@ def solve_by_source_equations(
     kinematics
         ``"source"``: lever arm and axial position of a contact depend on its contact angle (Lin 2.18-2.21); ``"arc"``:
         flanks are rigid arcs as in the solver that minimises energy, with which the result then agrees to round-off.
-    start
+    start_values
         Starting values: ``"nominal"``, the undeformed state; ``"guess"``, the screw displaced by the axial load
-        (`initial_state`); ``"load steps"``, ten load steps from that guess.
+        (`newton_start_values`); ``"load steps"``, ten load steps from that guess.
     everything
         Whether to model also the ends of the shaft that carry no load.
     member
@@ -362,38 +366,40 @@ def solve_by_source_equations(
         )
     layout = ball_layout(scene)
     problem = build_problem(
-        scene, draw_specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything
+        scene, draw_geometry_with_errors(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything
     )
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
     free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
-    system = System(problem, kinematics, beam_stiffness_of_screw(problem), free, axes)
-    steps = [1.0] if start != "load steps" else list(np.linspace(0.1, 1.0, 10))
-    x = initial_state(system, start, steps[0])
+    system = LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
+    steps = [1.0] if start_values != "load steps" else list(np.linspace(0.1, 1.0, 10))
+    x = newton_start_values(system, start_values, steps[0])
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = newton_iteration(system, x, fraction * problem.load.ravel(), tolerance)
+            x, iterations, residual, status = solve_equations_by_newton(
+                system, x, fraction * problem.load.ravel(), tolerance
+            )
             total += iterations
             if status != "converged":
                 break
         phi, _, forces = equations_and_jacobian(system, x, problem.load.ravel(), jacobian=False)
-    return SourceSolution(
+    return LinEquationsSolution(
         status=status,
-        load=forces,
-        contact_angle=x[2 * count : 6 * count].reshape(count, 4),
-        centre=x[: 2 * count].reshape(count, 2),
-        motion=x[6 * count :].reshape(-1, 6),
-        reactions=np.where(problem.fixed, phi[6 * count :].reshape(-1, 6), 0.0),
+        contact_loads=forces,
+        contact_angles=x[2 * count : 6 * count].reshape(count, 4),
+        ball_displacements=x[: 2 * count].reshape(count, 2),
+        node_motions=x[6 * count :].reshape(-1, 6),
+        support_reactions=np.where(problem.fixed, phi[6 * count :].reshape(-1, 6), 0.0),
         iterations=total,
         residual=residual,
         seconds=perf_counter() - begin,
-        unknowns=free.size,
+        unknown_count=free.size,
     )
 
 
-def solve_source_as_static_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
+def solve_lin_equations_as_static_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
     """Solve a scene by Lin's equations from a designer's guess, and return a `StaticResult` as every static model does.
 
     Hertz constants are those of parts without manufacturing errors, as in Lin's thesis, even if the scene asks for radii
@@ -408,26 +414,26 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
     member
         Number of the specimen of a scene with random errors.
     """
-    scene = with_error_free_hertz(scene)
+    scene = scene_with_error_free_hertz(scene)
     layout = ball_layout(scene)
     use = np.ones(4, dtype=bool)
-    problem = build_problem(scene, draw_specimen(scene, layout, member), layout, use, everything=everything)
-    mechanism = free_motions(problem)
-    if mechanism.driven:
-        return failed_result(problem, "source", Status("not held", mechanism.text), 0.0)
-    solution = solve_by_source_equations(scene, everything=everything, member=member)
+    problem = build_problem(scene, draw_geometry_with_errors(scene, layout, member), layout, use, everything=everything)
+    mechanism = find_unresisted_motions(problem)
+    if mechanism.is_driven_by_loads:
+        return failed_result(problem, "source", Status("not held", mechanism.description), 0.0)
+    solution = solve_by_lin_equations(scene, everything=everything, member=member)
     status = Status("converged") if solution.converged else Status("not converged", f"Lin's iteration: {solution.status}")
-    if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
+    if not np.all(np.isfinite(solution.contact_loads)) or not np.all(np.isfinite(solution.node_motions)):
         return failed_result(problem, "source", status, solution.seconds)
-    angle = solution.contact_angle
+    angle = solution.contact_angles
     solved = SolvedState(
         problem,
-        solution.motion,
-        solution.centre,
-        solution.load,
+        solution.node_motions,
+        solution.ball_displacements,
+        solution.contact_loads,
         SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
-        solution.reactions,
-        flank_motions_of_beam(problem, solution.motion),
+        solution.support_reactions,
+        all_flank_motions_by_screw(problem, solution.node_motions),
         0.0,
     )
     report = SolverReport(
@@ -435,7 +441,7 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
         solution.iterations + 1,
         solution.residual,
         solution.seconds,
-        solution.unknowns,
+        solution.unknown_count,
         problem.nodes.size - 1,
         "numpy, dense",
         "equilibrium equations of Lin's thesis",
@@ -444,8 +450,8 @@ def solve_source_as_static_result(scene: Scene, *, everything: bool = False, mem
     return assemble_result(solved, "source", status, report, left_out, model_assumptions(scene), has_own_lever_arms=True)
 
 
-def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -> float:
-    """Return the relative residual of Lin's equilibrium equations, given their residuals ``phi``.
+def _relative_residual(system: LinEquations, residuals: Array, forces: Array, load: Array) -> float:
+    """Return the relative residual of Lin's equilibrium equations, given their residuals ``residuals``.
 
     It is the larger of two ratios: the largest unbalanced force over the largest of the contact ``forces`` and of the
     ``load`` on the nodes; and the largest contact condition (scalar product of a contact's normal and tangent) over the
@@ -454,19 +460,21 @@ def _relative_residual(system: System, phi: Array, forces: Array, load: Array) -
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
     weights = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], system.problem.nodes.size)
-    screw = (phi[6 * count :] * weights)[system.free[6 * count :] - 6 * count]
+    screw = (residuals[6 * count :] * weights)[system.free_unknowns[6 * count :] - 6 * count]
     scale = max(float(np.abs(load * weights).max(initial=0.0)), float(forces.max(initial=0.0)))
     if not scale > 0.0:
         return float("inf")
-    unbalanced = max(float(np.abs(phi[: 2 * count]).max()), float(np.abs(screw).max(initial=0.0)))
-    skew = float(np.abs(phi[2 * count : 6 * count]).max()) / float(system.problem.drawn.radius.max())
+    unbalanced = max(float(np.abs(residuals[: 2 * count]).max()), float(np.abs(screw).max(initial=0.0)))
+    skew = float(np.abs(residuals[2 * count : 6 * count]).max()) / float(system.problem.drawn.groove_radii.max())
     return max(unbalanced / scale, skew)
 
 
-def newton_iteration(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
+def solve_equations_by_newton(
+    system: LinEquations, unknowns: Array, load: Array, tolerance: float
+) -> tuple[Array, int, float, str]:
     """Solve Lin's equilibrium equations by Newton's method without line search (equation 2.26 of Lin's thesis).
 
-    ``system``: constants of the equations; ``x``: unknowns to start from, in the order of `equations_and_jacobian`;
+    ``system``: constants of the equations; ``unknowns``: unknowns to start from, in the order of `equations_and_jacobian`;
     ``load``: loads on the nodes ``(6 n,)`` [N, N m]; ``tolerance``: relative residual at which the iteration ends.
 
     Returns
@@ -477,34 +485,34 @@ def newton_iteration(system: System, x: Array, load: Array, tolerance: float) ->
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):
-        phi, jac, forces = equations_and_jacobian(system, x, load)
+        phi, jac, forces = equations_and_jacobian(system, unknowns, load)
         residual = _relative_residual(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
         if residual <= tolerance:
-            return x, iteration, residual, "converged"
+            return unknowns, iteration, residual, "converged"
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
         if stalled >= 4 and residual < 1e-9:
-            return x, iteration, residual, "converged" if residual <= 1e-10 else f"stalled at {residual:.1e}"
+            return unknowns, iteration, residual, "converged" if residual <= 1e-10 else f"stalled at {residual:.1e}"
         if not np.all(np.isfinite(phi)):
-            return x, iteration, residual, "diverged: the iterate is not finite"
+            return unknowns, iteration, residual, "diverged: the iterate is not finite"
         assert jac is not None
-        free = system.free
+        free = system.free_unknowns
         small = jac[np.ix_(free, free)]
         scale = np.abs(small).max(axis=1)
         if not np.all(np.isfinite(small)) or np.any(scale == 0.0):
-            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+            return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
         try:
             step = np.linalg.solve(small / scale[:, None], -phi[free] / scale)
         except np.linalg.LinAlgError:
-            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+            return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
         if not np.all(np.isfinite(step)) or float(np.abs(step).max()) > 1e6:
-            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
-        x = x.copy()
-        x[free] += step
-    return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"
+            return unknowns, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+        unknowns = unknowns.copy()
+        unknowns[free] += step
+    return unknowns, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"
 
 
-def solve_from_guess_or_load_steps(scene: Scene, kinematics: Literal["arc", "source"]) -> SourceSolution:
+def solve_lin_equations_with_fallback(scene: Scene, kinematics: Literal["arc", "source"]) -> LinEquationsSolution:
     """Solve a scene by Lin's equations, starting from a designer's guess or, if that fails, in ten load steps.
 
     Parameters
@@ -513,9 +521,9 @@ def solve_from_guess_or_load_steps(scene: Scene, kinematics: Literal["arc", "sou
         Scene with one nut.
     kinematics
         Lever arms of the contacts: constant (``"arc"``), or dependent on the contact angle as in Lin's thesis
-        (``"source"``); see `solve_by_source_equations`.
+        (``"source"``); see `solve_by_lin_equations`.
     """
-    solution = solve_by_source_equations(scene, kinematics=kinematics, start="guess")
+    solution = solve_by_lin_equations(scene, kinematics=kinematics, start_values="guess")
     if solution.converged:
         return solution
-    return solve_by_source_equations(scene, kinematics=kinematics, start="load steps")
+    return solve_by_lin_equations(scene, kinematics=kinematics, start_values="load steps")

@@ -137,7 +137,7 @@ def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
     return 1.0 / ((1.0 - nu1**2) / e1 + (1.0 - nu2**2) / e2)
 
 
-def axis_ratio(curvature_ratio: Array) -> Array:
+def ellipse_semi_axis_ratio(curvature_ratio: Array) -> Array:
     """Return the ratio b/a of a contact ellipse's semi-axes from the ratio of the relative curvatures.
 
     Solves A/B = R_D(0, k^2, 1)/R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off.
@@ -263,7 +263,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
             "Hertz's theory does not apply where the surfaces of ball and groove conform: relative curvatures must be "
             "positive and finite"
         )
-    k = axis_ratio(low / high)
+    k = ellipse_semi_axis_ratio(low / high)
     # with lengths in units of a: (3F / (2 pi a^2)) R_D(0, 1, k^2) / (3 E* a) = high / 2
     K, _, across = complete_elliptic_integrals(k)
     c_a = np.cbrt(across / (np.pi * modulus * high))
@@ -272,7 +272,7 @@ def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Arr
 
 
 @dataclass(frozen=True)
-class PrintedHertz:
+class PrintedHertzConstants:
     """Hertz constants of a ball on one raceway as Table B.1 of Lin's thesis prints them, misprints included."""
 
     #: First eigenvalue of the second fundamental form, which Lin takes for a radius of curvature [m].
@@ -297,7 +297,9 @@ class PrintedHertz:
     C_b: float
 
 
-def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float) -> PrintedHertz:
+def hertz_constants_as_printed(
+    ball_radius: float, form_eigenvalues: tuple[float, float], modulus: float
+) -> PrintedHertzConstants:
     """Compute Hertz constants by eqs. B.1 to B.11 of Lin's thesis with the misprints of Table B.1, to show their effect.
 
     The misprints are: radii of curvature from the second fundamental form only, F_1 = 1, and the inverted ratio of B.8.
@@ -306,7 +308,7 @@ def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float
     ----------
     ball_radius
         Radius of the ball [m].
-    radii
+    form_eigenvalues
         The two eigenvalues of the raceway's second fundamental form [m], in the order of the table's rows.
     modulus
         Contact modulus E* [Pa].
@@ -315,15 +317,15 @@ def printed_hertz(ball_radius: float, radii: tuple[float, float], modulus: float
     ----------
     Lin (2019), appendix B and Table B.1.
     """
-    relative = [1.0 / (1.0 / ball_radius + 1.0 / r) for r in radii]
+    relative = [1.0 / (1.0 / ball_radius + 1.0 / r) for r in form_eigenvalues]
     r_1, r_2 = min(relative), max(relative)  # the table's labels: 1 the smaller
     rho_eq = float(np.sqrt(r_1 * r_2))
-    k = float(axis_ratio(np.array(r_1 / r_2)))
+    k = float(ellipse_semi_axis_ratio(np.array(r_1 / r_2)))
     c = float(np.cbrt(9.0 / (16.0 * modulus**2 * rho_eq)))
     c_ab = float(np.cbrt(0.75 * rho_eq / modulus))
-    return PrintedHertz(
-        rho_1=radii[0],
-        rho_2=radii[1],
+    return PrintedHertzConstants(
+        rho_1=form_eigenvalues[0],
+        rho_2=form_eigenvalues[1],
         R_1=r_1,
         R_2=r_2,
         rho_eq=rho_eq,

@@ -55,7 +55,7 @@ _MARK = "_compiled_"
 _KEPT = 4
 
 
-def is_compiled(module_name: str) -> bool:
+def is_compiled_module(module_name: str) -> bool:
     """Return whether a module, given by its name, belongs to a copy of a kernel package that numba compiles."""
     return _MARK in module_name
 
@@ -65,7 +65,7 @@ def kernel(function: F) -> F:
 
     In the plain package the function is returned unchanged.
     """
-    if not is_compiled(function.__module__):
+    if not is_compiled_module(function.__module__):
         return function
     import numba
 
@@ -112,7 +112,7 @@ def _numba_works() -> bool:
     return not missing
 
 
-def _compiled_name(package: str) -> str:
+def _compiled_module_name(package: str) -> str:
     """Return the module name under which the compiled copy of a kernel package is loaded."""
     return f"rollbench.lowfi.{_MARK}{package.removeprefix('rollbench.lowfi.').replace('.', '_')}"
 
@@ -125,11 +125,11 @@ def _package_folder(package: str) -> Path:
 @cache
 def _load_compiled_copy(package: str) -> ModuleType:
     """Load the source files of a kernel package a second time, as the copy whose functions numba compiles."""
-    with _numba_writes_to(package):
-        return _load_file_as(_compiled_name(package), _package_folder(package) / "__init__.py")
+    with _set_numba_cache_folder(package):
+        return _load_source_file_as_module(_compiled_module_name(package), _package_folder(package) / "__init__.py")
 
 
-def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
+def _load_source_file_as_module(name: str, path: Path, **given: Any) -> ModuleType:
     """Load a source file as a module of a given name; an ``__init__.py`` becomes a package.
 
     The keyword arguments are global variables that the module has before its code runs. Raises ImportError if the file
@@ -146,15 +146,17 @@ def _load_file_as(name: str, path: Path, **given: Any) -> ModuleType:
     return module
 
 
-def load_driver(system: str, driver: str) -> ModuleType:
+def load_solver_copy(system: str, solver_file: str) -> ModuleType:
     """Load a separate copy of a solver's source file for one system of equations, so that numba can cache its machine code.
 
-    ``system``: name of the module with the functions of the equations (energy, gradient, ...); ``driver``: name of the
+    ``system``: name of the module with the functions of the equations (energy, gradient, ...); ``solver_file``: name of the
     solver's file in the same folder, without its suffix. The copy gets the module as its global ``system``. Passing the
     functions as arguments instead would need closures, whose machine code numba does not cache.
     """
     of = sys.modules[system]
-    return _load_file_as(f"{system}_{driver}", Path(str(of.__file__)).with_name(f"{driver}.py"), system=of)
+    return _load_source_file_as_module(
+        f"{system}_{solver_file}", Path(str(of.__file__)).with_name(f"{solver_file}.py"), system=of
+    )
 
 
 # A single solve compiles no kernel
@@ -162,7 +164,7 @@ def load_driver(system: str, driver: str) -> ModuleType:
 
 def is_copy_loaded(package: str) -> bool:
     """Return whether this process has already loaded the compiled copy of a kernel package."""
-    return _compiled_name(package) in sys.modules
+    return _compiled_module_name(package) in sys.modules
 
 
 def is_machine_code_cached(package: str = "") -> bool:
@@ -240,7 +242,7 @@ def machine_code_folder() -> Path | None:
 
 
 @contextmanager
-def _numba_writes_to(package: str) -> Iterator[None]:
+def _set_numba_cache_folder(package: str) -> Iterator[None]:
     """Set numba's cache folder to that of a kernel package during a ``with`` block.
 
     The kernels of the package are declared in the block; each remembers this folder.
@@ -278,7 +280,7 @@ def _delay_signals_while_compiling() -> None:
         def on_start(self, event: Any) -> None:
             """Replace the signal handlers by `note_signal` when numba takes its lock."""
             if event.kind == KERNEL:
-                _announce_compilation()
+                _print_compilation_notice()
             if event.kind == LOCK and threading.current_thread() is threading.main_thread():
                 self.depth += 1
                 if self.depth == 1:
@@ -308,7 +310,7 @@ def _delay_signals_while_compiling() -> None:
 
 
 @cache
-def _announce_compilation() -> None:
+def _print_compilation_notice() -> None:
     """Print, before the first kernel is compiled, that this takes a while; only in the main process, on a terminal."""
     import multiprocessing
 

@@ -101,7 +101,7 @@ def line_contact_pressure(line_load: Array | float, width: Array | float) -> Arr
 
 
 @dataclass(frozen=True)
-class LineLaw:
+class LineContactLaw:
     """Law delta = q (g - S ln q) between the approach delta [m] of two raceways and the line load q [N/m] of the roller.
 
     The roller lies between the raceways. S: constant of the material [m^2/N]; g: constant of material and radii [m^2/N].
@@ -140,7 +140,7 @@ class LineLaw:
             )
         return np.where(inside, delta / (-self.s * lambertw(argument, k=-1).real), 0.0)
 
-    def slope(self, line_load: Array | float) -> Array:
+    def stiffness_per_length(self, line_load: Array | float) -> Array:
         """Return the stiffness per length dq/d(delta) [N/m^2] under a load per length ``line_load`` q [N/m].
 
         delta is the approach of the raceways. Zero without load.
@@ -148,7 +148,7 @@ class LineLaw:
         q = np.asarray(line_load, dtype=float)
         return np.where(q > 0.0, 1.0 / (self.g - self.s * (1.0 + np.log(np.where(q > 0.0, q, 1.0)))), 0.0)
 
-    def energy(self, line_load: Array | float) -> Array:
+    def energy_per_length(self, line_load: Array | float) -> Array:
         """Return the strain energy per length [J/m] under a load per length ``line_load`` [N/m].
 
         It is the integral of the load per length over the approach, from zero to this load.
@@ -164,7 +164,7 @@ def approach_law_of_races(
     depths: tuple[float, float],
     young: float,
     poisson: float,
-) -> LineLaw:
+) -> LineContactLaw:
     """Return the approach law of two raceways with a roller between them, all of one material.
 
     The approach is the sum over both races of q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1 + 2 ln(2 d/b) - nu/(1 - nu)].
@@ -200,7 +200,7 @@ def approach_law_of_races(
     for race, depth in zip(race_curvatures, depths, strict=True):
         b = line_contact_half_width(1.0, 1.0 / r + race, modulus)
         g = g + factor * (2.0 * np.log(4.0 * r / b) - 1.0 + 2.0 * np.log(2.0 * depth / b) - poisson / (1.0 - poisson))
-    return LineLaw(np.asarray(g), 4.0 * factor)
+    return LineContactLaw(np.asarray(g), 4.0 * factor)
 
 
 @dataclass(frozen=True)
@@ -256,7 +256,7 @@ class TaperedBearing:
         """Diameter of the circle through the rollers' mean centres, D sin(alpha - gamma)/tan(gamma) [m]."""
         return float(self.diameter * np.sin(self.cup_angle - self.roller_angle) / np.tan(self.roller_angle))
 
-    def radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
+    def curvature_radii(self, along: Array | float = 0.0) -> tuple[Array, Array, Array]:
         """Return the radii of curvature of roller, cone and cup normal to the contact line [m], all of them positive.
 
         Parameters
@@ -268,9 +268,9 @@ class TaperedBearing:
         roller, cone, cup = (reach * np.tan(a) for a in (self.roller_angle, self.cone_angle, self.cup_angle))
         return roller, cone, cup
 
-    def law(self, along: Array | float = 0.0) -> LineLaw:
+    def approach_law(self, along: Array | float = 0.0) -> LineContactLaw:
         """Return the approach law of a roller between its races, at distances ``along`` from the roller's middle [m]."""
-        roller, cone, cup = self.radii(along)
+        roller, cone, cup = self.curvature_radii(along)
         return approach_law_of_races(roller, (1.0 / cone, -1.0 / cup), (self.depth, self.depth), self.young, self.poisson)
 
 
@@ -288,7 +288,7 @@ class RollerContacts:
     rib_load: float
 
 
-def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
+def roller_line_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
     """Return the line contacts of a straight, untilted roller with both races under a given force.
 
     Parameters
@@ -303,7 +303,7 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
     Corrects Smith (1994), 3.23 to 3.27. He uses the area pi a b of an ellipse where a line contact has 2 b L, and neglects
     the load 2 Q sin(gamma) of the rib.
     """
-    roller, cone, cup = bearing.radii()
+    roller, cone, cup = bearing.curvature_radii()
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     q = load / bearing.length
     widths = line_contact_half_width(q, np.array([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup]), modulus)
@@ -312,7 +312,7 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
 
 
 @dataclass(frozen=True)
-class TaperedRow:
+class StraightTaperedRow:
     """Load-deflection law of a tapered roller bearing with straight rollers under pure thrust.
 
     An axial deflection u of one ring compresses every roller by u sin(alpha); alpha is half the included angle of the cup.
@@ -324,13 +324,13 @@ class TaperedRow:
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero if this is negative, so that the rollers are loose."""
         b = self.bearing
-        q = float(b.law().line_load(deflection * np.sin(b.cup_angle)))
+        q = float(b.approach_law().line_load(deflection * np.sin(b.cup_angle)))
         return float(b.rollers * b.length * q * np.sin(b.cup_angle))
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness [N/m] at an axial deflection [m]; zero if the rollers are loose."""
-        b, law = self.bearing, self.bearing.law()
-        slope = float(law.slope(law.line_load(deflection * np.sin(b.cup_angle))))
+        b, law = self.bearing, self.bearing.approach_law()
+        slope = float(law.stiffness_per_length(law.line_load(deflection * np.sin(b.cup_angle))))
         return float(b.rollers * b.length * slope * np.sin(b.cup_angle) ** 2)
 
     def deflection(self, load: float) -> float:
@@ -347,10 +347,10 @@ class TaperedRow:
             )
         b = self.bearing
         sin = np.sin(b.cup_angle)
-        return float(b.law().approach(load / (b.rollers * b.length * sin)) / sin)
+        return float(b.approach_law().approach(load / (b.rollers * b.length * sin)) / sin)
 
 
-def tapered_bearing(row: RollerRow) -> TaperedBearing:
+def tapered_bearing_of_row(row: RollerRow) -> TaperedBearing:
     """Convert a row of rollers of a scene to a `TaperedBearing`.
 
     Parameters
@@ -372,22 +372,22 @@ class SlicedRoller:
     """Roller with a crowned profile, cut into n slices of equal width."""
 
     #: Law of approach and line load, the same for every slice.
-    law: LineLaw
+    slice_law: LineContactLaw
     #: Positions of the middles of the slices along the roller ``(n,)`` [m], from the roller's middle.
-    places: Array
+    slice_positions: Array
     #: Effective length of the roller [m].
     length: float
     #: Drop of the crowned profile below a straight one at each slice ``(n,)`` [m], the sum for both contacts; it is
     #: subtracted from the approach of the slice.
-    drop: Array
+    profile_drops: Array
 
 
 @dataclass(frozen=True)
-class SliceState:
+class SlicedRollerState:
     """Force, stiffness and line loads of a sliced roller at one approach of its raceways."""
 
     #: Force of either race on the roller [N].
-    force: float
+    race_force: float
     #: Derivative of the force with respect to the approach [N/m].
     stiffness: float
     #: Load per length of each slice ``(n,)`` [N/m].
@@ -407,7 +407,7 @@ def slice_middles(length: float, slices: int) -> Array:
     return length * ((np.arange(slices) + 0.5) / slices - 0.5)
 
 
-def circular_crown(radius: float) -> Callable[[Array], Array]:
+def circular_crown_profile(radius: float) -> Callable[[Array], Array]:
     """Return the profile drop of a roller with a circular crown: the function x^2/R [m] of the distance x from the middle.
 
     It is the sum of the drops x^2/(2 R) at both contacts, valid for x small against the radius R of the crown.
@@ -435,7 +435,7 @@ def slice_roller(bearing: TaperedBearing, slices: int, profile: Callable[[Array]
     """
     x = slice_middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
-    return SlicedRoller(bearing.law(), x, bearing.length, drop)
+    return SlicedRoller(bearing.approach_law(), x, bearing.length, drop)
 
 
 def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Array) -> tuple[Array, Array]:
@@ -461,7 +461,7 @@ def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Arr
     ----------
     Johnson (1985), 4.43 and 4.45.
     """
-    roller, cone, cup = bearing.radii(slice_middles(bearing.length, line_loads.shape[-1]))
+    roller, cone, cup = bearing.curvature_radii(slice_middles(bearing.length, line_loads.shape[-1]))
     curvature = np.stack([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup], axis=-1)
     q = np.asarray(line_loads, dtype=float)[..., None]
     b = line_contact_half_width(
@@ -470,18 +470,18 @@ def half_widths_and_pressures_of_slices(bearing: TaperedBearing, line_loads: Arr
     return b, line_contact_pressure(q, np.where(q == 0.0, 1.0, b))
 
 
-def sliced_roller_state_at_approach(roller: SlicedRoller, approach: float) -> SliceState:
+def sliced_roller_state_at_approach(roller: SlicedRoller, approach: float) -> SlicedRollerState:
     """Return force, stiffness and line loads of a sliced roller at a given approach of its raceways.
 
     ``approach``: approach of the raceways in the roller's middle [m], from which the drop of the profile is subtracted at
     each slice.
     """
-    q = roller.law.line_load(approach - roller.drop)
-    width = roller.length / roller.places.size
-    return SliceState(float(width * q.sum()), float(width * roller.law.slope(q).sum()), q)
+    q = roller.slice_law.line_load(approach - roller.profile_drops)
+    width = roller.length / roller.slice_positions.size
+    return SlicedRollerState(float(width * q.sum()), float(width * roller.slice_law.stiffness_per_length(q).sum()), q)
 
 
-def approach_under_force(roller: SlicedRoller, force: float) -> float:
+def sliced_roller_approach_under_force(roller: SlicedRoller, force: float) -> float:
     """Return the approach of the raceways [m] at which they press on a sliced roller with a given force [N].
 
     Raises
@@ -491,15 +491,15 @@ def approach_under_force(roller: SlicedRoller, force: float) -> float:
     """
     if force <= 0.0:
         raise ValueError(f"force of the races on a roller: got {force:g} N; allowed: above 0 N (compression)")
-    low = float(roller.drop.min())
-    high = float(roller.law.approach(force / roller.length).max() + roller.drop.max()) * (1.0 + 1e-9)
+    low = float(roller.profile_drops.min())
+    high = float(roller.slice_law.approach(force / roller.length).max() + roller.profile_drops.max()) * (1.0 + 1e-9)
     return float(
-        brentq(lambda d: sliced_roller_state_at_approach(roller, d).force - force, low, high, xtol=1e-22, rtol=8.9e-16)
+        brentq(lambda d: sliced_roller_state_at_approach(roller, d).race_force - force, low, high, xtol=1e-22, rtol=8.9e-16)
     )
 
 
 @dataclass(frozen=True)
-class SlicedRow:
+class SlicedTaperedRow:
     """Load-deflection law of a tapered roller bearing under pure thrust, with rollers that are cut into slices."""
 
     #: The bearing.
@@ -519,7 +519,7 @@ class SlicedRow:
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the rollers are loose."""
         sin = np.sin(self.bearing.cup_angle)
-        return float(self.bearing.rollers * sin * sliced_roller_state_at_approach(self.roller, deflection * sin).force)
+        return float(self.bearing.rollers * sin * sliced_roller_state_at_approach(self.roller, deflection * sin).race_force)
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness [N/m] at an axial deflection [m]; zero where the rollers are loose."""
@@ -537,4 +537,4 @@ class SlicedRow:
             The thrust is not positive.
         """
         sin = np.sin(self.bearing.cup_angle)
-        return float(approach_under_force(self.roller, load / (self.bearing.rollers * sin)) / sin)
+        return float(sliced_roller_approach_under_force(self.roller, load / (self.bearing.rollers * sin)) / sin)

@@ -29,7 +29,7 @@ Kind = Literal[
 ]
 
 
-class Warned(str):
+class ResultWarning(str):
     """Text of a warning about a result, with its subject and, if it is also printed above the results, a short form.
 
     Examples
@@ -44,7 +44,7 @@ class Warned(str):
     #: Short form for the line above the results; empty if the warning is not printed there.
     brief: str
 
-    def __new__(cls, kind: Kind, text: str, brief: str = "") -> Warned:
+    def __new__(cls, kind: Kind, text: str, brief: str = "") -> ResultWarning:
         """Create a warning from its subject, its text and its short form (empty: not printed above the results)."""
         warned = super().__new__(cls, text)
         warned.kind, warned.brief = kind, brief
@@ -54,12 +54,12 @@ class Warned(str):
         """Return the arguments of the constructor, with which pickle makes a copy of the warning."""
         return self.kind, str(self), self.brief
 
-    def with_part_name(self, name: str) -> Warned:
+    def with_part_name(self, name: str) -> ResultWarning:
         """Return this warning with the name of the part concerned in front of its text, as in "nut 1: ..."."""
-        return Warned(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
+        return ResultWarning(self.kind, f"{name}: {self}", self.brief and f"{name}: {self.brief}")
 
 
-def join_brief_warnings(warnings: Iterable[Warned]) -> str:
+def join_brief_warnings(warnings: Iterable[ResultWarning]) -> str:
     """Join the short forms of a result's warnings to the line that is printed above the results; empty if there are none.
 
     Parameters

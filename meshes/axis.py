@@ -220,9 +220,9 @@ class Assembly:
 
     def to_toml(self) -> str:
         """Return the shaft with its ball nuts and bearings as the text of a TOML scene file."""
-        from rollbench.meshes.scene_text import axis_tables, toml_of_tables
+        from rollbench.meshes.scene_text import scene_file_tables_of_shaft, toml_of_tables
 
-        return toml_of_tables(axis_tables(self))
+        return toml_of_tables(scene_file_tables_of_shaft(self))
 
     @property
     def ball_count(self) -> int:

@@ -18,17 +18,24 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.fem import MeshedBody, Quality, improve_curved_cells
+from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import SIDES
-from rollbench.meshes.shell import BEND, POOREST, Shell, fill_shell, graded_size_function, mesh_with_smallest_fault
+from rollbench.meshes.shell import (
+    BEND,
+    POOREST,
+    ClosedSurfaceMesh,
+    best_mesh_of_attempts,
+    edge_length_growing_with_distance,
+    mesh_inside_closed_surface,
+)
 from rollbench.meshes.sockets import (
-    SocketMesh,
-    SocketSize,
-    mesh_socket_faces,
-    mesh_socket_of_flank,
-    nodes_of_socket_rim,
-    points_in_reference_socket,
+    RefinementBoxFaces,
+    RefinementBoxSize,
+    mesh_refinement_box_faces,
+    mesh_refinement_box_of_flank,
+    points_in_box_at_azimuth_zero,
+    rim_nodes_of_refinement_box,
 )
 
 Flags = NDArray[np.bool_]
@@ -42,22 +49,22 @@ SHALLOWER, CORNER = 0.75, 0.12
 
 
 @dataclass(frozen=True)
-class BallSocket:
+class BallRefinementBox:
     """Refinement box of a ball: the box around one contact that the ball's coarse mesh leaves free for a finer mesh."""
 
     #: Flank 0 to 3 with which the ball is in contact.
     side: int
     #: Size of the groove's refinement box at the same contact.
-    groove: SocketSize
+    groove_box_size: RefinementBoxSize
     #: Depth of the bottom below the sphere, along the contact normal [m].
     depth: float
     #: Fraction of the refinement box's length, about its middle, in which the rays from the ball's centre meet the groove's
     #: surface at the points with the same local coordinates (see `rays_from_ball_centre`).
-    exact: float = 0.5
+    exact_length_fraction: float = 0.5
 
 
 @dataclass(frozen=True)
-class BallBody(MeshedBody):
+class CoarseBallMesh(MeshedBody):
     """Coarse mesh of a ball with refinement boxes left free around its contacts; the ball's centre is the origin.
 
     Contacts are those of a ball at azimuth 0. Names of boundaries: "sphere"; "socket SL" (SR, NL, NR), the faces of the
@@ -67,11 +74,11 @@ class BallBody(MeshedBody):
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
     #: Nodes on the inner faces of each refinement box, by flank 0 to 3.
-    socket_nodes: dict[int, Index]
+    nodes_on_box_faces: dict[int, Index]
     #: Mesh of each refinement box's faces, by flank 0 to 3.
-    sockets: dict[int, SocketMesh]
+    box_faces: dict[int, RefinementBoxFaces]
     #: Number of cells and nodes, and the scaled Jacobians of the cells.
-    quality: Quality
+    quality: MeshQuality
 
 
 def contact_frame_vectors(m: GrooveMap, side: int) -> Array:
@@ -91,12 +98,12 @@ def contact_frame_vectors(m: GrooveMap, side: int) -> Array:
         azimuth along the track.
     """
     sx, sz = m.signs[side]
-    x3, y3, z3 = m.axes()
+    x3, y3, z3 = m.section_axes()
     c, s = cos(m.beta), sin(m.beta)
     return np.stack([sx * c * x3 + sz * s * z3, -sx * s * x3 + sz * c * z3, y3])
 
 
-def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+def rays_from_ball_centre(m: GrooveMap, box: BallRefinementBox, local_coordinates: Array) -> Array:
     """Return rays from a ball's centre through the points with given local coordinates in a refinement box of the ball.
 
     In the middle of the refinement box, each ray meets the groove's surface at the point with the same section angle and
@@ -107,9 +114,9 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    socket : BallSocket
+    box : BallRefinementBox
         Socket of the ball.
-    xi : (n, 3) Array
+    local_coordinates : (n, 3) Array
         Local coordinates in the refinement box: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
     Returns
@@ -117,10 +124,12 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     (n, 3) Array
         Vectors along the rays, scaled so that their component along the contact normal is 1.
     """
-    n, t1, t2 = contact_frame_vectors(m, socket.side)
+    n, t1, t2 = contact_frame_vectors(m, box.side)
 
     def project_to_tangent_plane(at: Array) -> tuple[Array, Array]:
-        x = points_in_reference_socket(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
+        x = points_in_box_at_azimuth_zero(m, box.groove_box_size, box.side, at * [1.0, 0.0, 1.0]) - np.array(
+            [m.R, 0.0, 0.0]
+        )
         return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
 
     line = np.linspace(-1.0, 1.0, 9)
@@ -128,21 +137,21 @@ def rays_from_ball_centre(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
         float(np.abs(project_to_tangent_plane(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max())
         for end in (-1.0, 1.0)
     )
-    s, t = project_to_tangent_plane(xi)
-    u = np.clip((np.abs(xi[:, 2]) - socket.exact) / (1.0 - socket.exact), 0.0, 1.0)
+    s, t = project_to_tangent_plane(local_coordinates)
+    u = np.clip((np.abs(local_coordinates[:, 2]) - box.exact_length_fraction) / (1.0 - box.exact_length_fraction), 0.0, 1.0)
     w = u * u * (3.0 - 2.0 * u)
-    t = t * (1.0 - w) + w * along * xi[:, 2]
+    t = t * (1.0 - w) + w * along * local_coordinates[:, 2]
     return np.asarray(n[None, :] + s[:, None] * t1 + t[:, None] * t2)
 
 
-def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+def points_in_ball_refinement_box(m: GrooveMap, box: BallRefinementBox, xi: Array) -> Array:
     """Map local coordinates in a refinement box of a ball to points, which lie on rays from the ball's centre.
 
     Points at depth 0 are on the sphere, points at depth 1 on a plane normal to the contact normal.
 
     Parameters
     ----------
-    m, socket, xi
+    m, box, xi
         Groove surfaces, refinement box of the ball and local coordinates, as for `rays_from_ball_centre`.
 
     Returns
@@ -150,12 +159,12 @@ def points_in_ball_socket(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     (n, 3) Array
         Coordinates relative to the ball's centre [m].
     """
-    ray = rays_from_ball_centre(m, socket, xi)
+    ray = rays_from_ball_centre(m, box, xi)
     outer = m.ball / np.linalg.norm(ray, axis=1)
-    return np.asarray(ray * (outer + xi[:, 1] * (m.ball - socket.depth - outer))[:, None])
+    return np.asarray(ray * (outer + xi[:, 1] * (m.ball - box.depth - outer))[:, None])
 
 
-def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> float:
+def depth_of_ball_refinement_box(m: GrooveMap, groove_box_size: RefinementBoxSize, side: int) -> float:
     """Compute the depth of a ball's refinement box from the size of the groove's box at the same contact.
 
     It is `SHALLOWER` times the depth of the groove's box, or more where the corners of the box would otherwise be less than
@@ -165,7 +174,7 @@ def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> flo
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    groove_socket : SocketSize
+    groove_box_size : RefinementBoxSize
         Size of the groove's refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -178,19 +187,19 @@ def ball_socket_depth(m: GrooveMap, groove_socket: SocketSize, side: int) -> flo
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     widest = float(
         np.linalg.norm(
-            rays_from_ball_centre(m, BallSocket(side, groove_socket, groove_socket.depth), corners), axis=1
+            rays_from_ball_centre(m, BallRefinementBox(side, groove_box_size, groove_box_size.depth), corners), axis=1
         ).max()
     )
-    return max(SHALLOWER * groove_socket.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
+    return max(SHALLOWER * groove_box_size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
 
 
-def mesh_ball_with_sockets(
+def mesh_ball_with_refinement_boxes(
     m: GrooveMap,
-    sockets: tuple[BallSocket, ...],
-    socket_size: float,
-    far_size: float,
-    socket_divisions: tuple[int, int, int] = (2, 2, 2),
-) -> BallBody:
+    boxes: tuple[BallRefinementBox, ...],
+    cell_size_at_boxes: float,
+    cell_size_far_away: float,
+    edge_divisions: tuple[int, int, int] = (2, 2, 2),
+) -> CoarseBallMesh:
     """Mesh a ball coarsely, and leave a refinement box free around each contact for a finer mesh.
 
     The face mesh of the box at a right flank is that of the box at the left flank, rotated. Where two boxes are close to
@@ -200,17 +209,17 @@ def mesh_ball_with_sockets(
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    sockets : tuple[BallSocket, ...]
+    boxes : tuple[BallRefinementBox, ...]
         Refinement boxes of the ball, one for each contact.
-    socket_size, far_size : float
+    cell_size_at_boxes, cell_size_far_away : float
         Edge lengths of cells at the refinement boxes and far from them [m].
-    socket_divisions : tuple[int, int, int], optional
+    edge_divisions : tuple[int, int, int], optional
         Number of equal parts into which the edges of the boxes are divided: across the groove, in depth and along the
         groove.
 
     Returns
     -------
-    BallBody
+    CoarseBallMesh
         The mesh of the ball.
 
     Raises
@@ -220,33 +229,37 @@ def mesh_ball_with_sockets(
     """
 
     def socket_map(side: int) -> Callable[[Array], Array]:
-        like = next(socket for socket in sockets if socket.side // 2 == side // 2)
-        return partial(points_in_ball_socket, m, replace(like, side=side))
+        like = next(socket for socket in boxes if socket.side // 2 == side // 2)
+        return partial(points_in_ball_refinement_box, m, replace(like, side=side))
 
-    _check_sockets_of_ball(m, sockets)
+    _check_refinement_boxes_of_ball(m, boxes)
     try:
-        return _mesh_ball_around_boxes(
+        return _mesh_ball_around_refinement_boxes(
             m,
-            sockets,
-            [mesh_socket_of_flank(socket_map, socket.side, socket_divisions) for socket in sockets],
-            socket_size,
-            far_size,
+            boxes,
+            [mesh_refinement_box_of_flank(socket_map, socket.side, edge_divisions) for socket in boxes],
+            cell_size_at_boxes,
+            cell_size_far_away,
         )
     except ValueError:
-        if not any(socket.side % 2 for socket in sockets):
+        if not any(socket.side % 2 for socket in boxes):
             raise
-    return _mesh_ball_around_boxes(
+    return _mesh_ball_around_refinement_boxes(
         m,
-        sockets,
-        [mesh_socket_faces(socket_map(socket.side), socket_divisions) for socket in sockets],
-        socket_size,
-        far_size,
+        boxes,
+        [mesh_refinement_box_faces(socket_map(socket.side), edge_divisions) for socket in boxes],
+        cell_size_at_boxes,
+        cell_size_far_away,
     )
 
 
-def _mesh_ball_around_boxes(
-    m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
-) -> BallBody:
+def _mesh_ball_around_refinement_boxes(
+    m: GrooveMap,
+    sockets: tuple[BallRefinementBox, ...],
+    boxes: list[tuple[RefinementBoxFaces, Array]],
+    fine: float,
+    coarse: float,
+) -> CoarseBallMesh:
     """Mesh a ball around its refinement boxes, whose faces are meshed already.
 
     ``m``: groove surfaces of the track; ``sockets``: refinement boxes of the ball; ``boxes``: for each of them the mesh of
@@ -254,32 +267,36 @@ def _mesh_ball_around_boxes(
     ball; ``fine``, ``coarse``: edge lengths of cells at the refinement boxes and far from them [m].
     """
     near = np.concatenate(
-        [points_in_ball_socket(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
+        [points_in_ball_refinement_box(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)]
     )
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
+    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseBallMesh, float]:
         sizes = share * fine, share * coarse
-        shell = Shell(gmsh, graded_size_function(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        shell = ClosedSurfaceMesh(
+            gmsh, edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane
+        )
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
-            places = (points_in_ball_socket(m, socket, xi) for xi in (box.xi, raised))
-            corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
+            places = (points_in_ball_refinement_box(m, socket, xi) for xi in (box.xi, raised))
+            corners.append(shell.add_refinement_box(f"socket {SIDES[socket.side]}", box, *places))
         triangulate_sphere(
-            m, shell, [c[nodes_of_socket_rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share
+            m, shell, [c[rim_nodes_of_refinement_box(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share
         )
-        filled = fill_shell(shell, volume)
-        box_nodes = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
+        filled = mesh_inside_closed_surface(shell, volume)
+        box_nodes = [filled.nodes_on_refinement_box(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         kept = np.concatenate(box_nodes)
-        mesh, moved, quality = improve_curved_cells(filled.named(shell), "ball", filled.on(shell.tris()), kept)
+        mesh, moved, quality = improve_curved_cells(
+            filled.with_named_boundaries(shell), "ball", filled.nodes_of_triangles(shell.triangles_on_boundary()), kept
+        )
         nodes = {socket.side: n for socket, n in zip(sockets, box_nodes, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
-        body = BallBody(mesh, nodes, meshes, quality)
-        return body, moved + max(0.0, POOREST - quality.smallest)
+        body = CoarseBallMesh(mesh, nodes, meshes, quality)
+        return body, moved + max(0.0, POOREST - quality.smallest_jacobian)
 
-    return mesh_with_smallest_fault("ball", attempt)
+    return best_mesh_of_attempts("ball", attempt)
 
 
-def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edge_factor: float) -> None:
+def triangulate_sphere(m: GrooveMap, shell: ClosedSurfaceMesh, box_rims: list[Index], edge_factor: float) -> None:
     """Triangulate the surface of a ball outside its refinement boxes, one hemisphere after the other.
 
     Parameters
@@ -288,15 +305,17 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
         Groove surfaces of the track, with the ball's radius.
     shell : Shell
         Surface mesh to which the faces are added.
-    socket_rims : list[Index]
+    box_rims : list[Index]
         Corner nodes around the rim of each refinement box.
     edge_factor : float
         Factor on the default length of the longest edge.
     """
-    axis, limit = parting_plane_normal(m), edge_factor * BEND[1] * m.ball
+    axis, limit = normal_between_hemispheres(m), edge_factor * BEND[1] * m.ball
     along = contact_frame_vectors(m, 0)[2]
     middle = np.stack([along, np.cross(axis, along)])
-    equator = shell.curve(lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
+    equator = shell.add_divided_curve(
+        lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
+    )
 
     def stretch(flat: Array) -> Array:
         return np.asarray(0.5 * (1.0 + np.sum((flat / m.ball) ** 2, axis=1)))
@@ -310,12 +329,12 @@ def triangulate_sphere(m: GrooveMap, shell: Shell, socket_rims: list[Index], edg
             square = np.sum((flat / m.ball) ** 2, axis=1)[:, None]
             return np.asarray((m.ball * (square - 1.0) * pole + 2.0 * flat @ middle) / (square + 1.0))
 
-        closed = [np.append(r, r[0]) for r in socket_rims if shell.points[r[0]] @ pole < 0.0]
+        closed = [np.append(r, r[0]) for r in box_rims if shell.points[r[0]] @ pole < 0.0]
         loops = [[(n, plane(shell.points[n]))] for n in (equator.nodes, *closed)]
-        shell.face("sphere", loops, space, limit, stretch)
+        shell.add_face("sphere", loops, space, limit, stretch)
 
 
-def parting_plane_normal(m: GrooveMap) -> Array:
+def normal_between_hemispheres(m: GrooveMap) -> Array:
     """Return the unit normal of the plane through the ball's centre in which its two hemispheres are meshed separately.
 
     It is far from all contacts. It separates the contacts on the screw from those on the nut up to a contact angle of 45
@@ -332,22 +351,22 @@ def parting_plane_normal(m: GrooveMap) -> Array:
     return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
 
 
-def _check_sockets_of_ball(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
+def _check_refinement_boxes_of_ball(m: GrooveMap, sockets: tuple[BallRefinementBox, ...]) -> None:
     """Raise ValueError unless there are refinement boxes (``sockets``), and all fit into the ball without overlap."""
     if not sockets:
         raise ValueError("a ball mesh without contacts: give a refinement box for at least one contact")
     remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {socket.side: points_in_ball_socket(m, socket, 1.02 * around) for socket in sockets}
+    outlines = {socket.side: points_in_ball_refinement_box(m, socket, 1.02 * around) for socket in sockets}
     for socket in sockets:
         name = f"refinement box {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < socket.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
-        points = points_in_ball_socket(m, socket, around)
+        points = points_in_ball_refinement_box(m, socket, around)
         if np.linalg.norm(rays_from_ball_centre(m, socket, around), axis=1).max() * (m.ball - socket.depth) >= m.ball:
             raise ValueError(f"the {name} is wider than its depth of {1e3 * socket.depth:.4g} mm allows: {remedy}")
-        if np.ptp(np.sign(points @ parting_plane_normal(m))) > 0.0:
+        if np.ptp(np.sign(points @ normal_between_hemispheres(m))) > 0.0:
             raise ValueError(f"the {name} extends beyond one half of the ball: {remedy}")
         for other in sockets:
             if (

@@ -27,7 +27,7 @@ from rollbench.meshes.shell import gmsh_session
 
 
 @dataclass(frozen=True)
-class BlockMesh(MeshedBody):
+class QuarterBlockMesh(MeshedBody):
     """Mesh of a quarter of a block that stands for an elastic half-space in contact.
 
     Names of boundaries: "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry), "cut" (the planes where
@@ -37,7 +37,7 @@ class BlockMesh(MeshedBody):
     #: The mesh.
     mesh: Mesh
     #: Edge of the block [m].
-    size: float
+    edge_length: float
 
     @property
     def element(self) -> str:
@@ -97,26 +97,26 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
 
 
 def mesh_block_with_hexahedra(
-    order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float
-) -> BlockMesh:
+    order: int, node_spacing: Sequence[float], fine_lengths: Sequence[float], block_edge: float, growth_ratio: float
+) -> QuarterBlockMesh:
     """Mesh a quarter block with hexahedra of 8 or 27 nodes on a rectangular grid, fine at the contact.
 
     Parameters
     ----------
     order : int
         Order of the elements: 1 (8 nodes) or 2 (27 nodes).
-    spacing : Sequence[float]
+    node_spacing : Sequence[float]
         Distance between nodes near the contact along x, y, z [m]; cells are ``order`` times as long.
-    core : Sequence[float]
+    fine_lengths : Sequence[float]
         Length that the equal cells near the contact cover along x, y, z [m].
-    size : float
+    block_edge : float
         Edge of the block [m].
-    growth : float
+    growth_ratio : float
         Largest ratio of the lengths of neighbouring cells further away.
 
     Returns
     -------
-    BlockMesh
+    QuarterBlockMesh
         Mesh of the block.
 
     Raises
@@ -124,54 +124,62 @@ def mesh_block_with_hexahedra(
     ValueError
         The lengths or the growth are not in the range of `graded_coordinates`.
     """
-    x, y, z = (graded_coordinates(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
-    return _block_with_named_boundaries(mesh_rectangular_grid(x, y, z, f"Q{order}"), size)
+    x, y, z = (
+        graded_coordinates(order * step, length, block_edge, growth_ratio)
+        for step, length in zip(node_spacing, fine_lengths, strict=True)
+    )
+    return _block_with_named_boundaries(mesh_rectangular_grid(x, y, z, f"Q{order}"), block_edge)
 
 
 @dataclass(frozen=True)
-class BodyOfInfluence:
+class EllipsoidElementSizes:
     """Edge lengths of tetrahedra: constant inside an ellipsoid around the contact, growing with the distance outside it."""
 
     #: Edge length of the cells inside the ellipsoid [m].
-    fine: float
+    inner_edge_length: float
     #: Semi-axes of the ellipsoid along x, y, z [m].
-    semi: tuple[float, float, float]
+    semi_axes: tuple[float, float, float]
     #: Increase of the edge length per unit of distance outside the ellipsoid.
-    growth: float
+    growth_per_distance: float
     #: Largest edge length [m].
-    coarse: float
+    largest_edge_length: float
 
-    def scaled(self, factor: float) -> BodyOfInfluence:
+    def scaled(self, factor: float) -> EllipsoidElementSizes:
         """Return a copy of these edge lengths and semi-axes, multiplied by ``factor``."""
-        x, y, z = (factor * length for length in self.semi)
-        return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
+        x, y, z = (factor * length for length in self.semi_axes)
+        return replace(
+            self,
+            inner_edge_length=factor * self.inner_edge_length,
+            semi_axes=(x, y, z),
+            largest_edge_length=factor * self.largest_edge_length,
+        )
 
-    def size_expression(self) -> str:
+    def edge_length_formula(self) -> str:
         """Return the edge length [m] as a formula of x, y, z for gmsh.
 
         Outside the ellipsoid the length grows with a distance: the one between the ellipsoid and the similar ellipsoid
         through the point, along the shortest semi-axis.
         """
-        x, y, z = self.semi
-        away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
-        return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
+        x, y, z = self.semi_axes
+        away = f"({min(self.semi_axes)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
+        return f"Min({self.largest_edge_length!r}, {self.inner_edge_length!r}+{self.growth_per_distance!r}*{away})"
 
 
-def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: float) -> BlockMesh:
+def mesh_block_with_tetrahedra(order: int, element_sizes: EllipsoidElementSizes, block_edge: float) -> QuarterBlockMesh:
     """Mesh a quarter block with tetrahedra of 4 or 10 nodes by gmsh, fine at the contact.
 
     Parameters
     ----------
     order : int
         Order of the elements: 1 (4 nodes) or 2 (10 nodes).
-    influence : BodyOfInfluence
+    element_sizes : EllipsoidElementSizes
         Edge lengths of the tetrahedra inside and outside the ellipsoid around the contact.
-    size : float
+    block_edge : float
         Edge of the block [m].
 
     Returns
     -------
-    BlockMesh
+    QuarterBlockMesh
         Mesh of the block.
 
     Raises
@@ -183,7 +191,7 @@ def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: flo
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances are made for lengths of about 1
         gmsh.model.occ.synchronize()
-        _set_element_sizes(gmsh, influence.scaled(1.0 / size))
+        _set_element_sizes(gmsh, element_sizes.scaled(1.0 / block_edge))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -192,10 +200,10 @@ def mesh_block_with_tetrahedra(order: int, influence: BodyOfInfluence, size: flo
         gmsh.model.remove()
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, {1: 4, 2: 10}[order])
     mesh, _ = build_mesh(xyz.reshape(-1, 3)[ascending], cells, f"P{order}")
-    return _block_with_named_boundaries(with_node_coordinates(mesh, size * node_coordinates(mesh)), size)
+    return _block_with_named_boundaries(with_node_coordinates(mesh, block_edge * node_coordinates(mesh)), block_edge)
 
 
-def _block_with_named_boundaries(mesh: Mesh, size: float) -> BlockMesh:
+def _block_with_named_boundaries(mesh: Mesh, size: float) -> QuarterBlockMesh:
     """Return the mesh of a quarter block with its named boundaries, found from the nodes' coordinates.
 
     ``size``: edge of the block [m].
@@ -207,13 +215,13 @@ def _block_with_named_boundaries(mesh: Mesh, size: float) -> BlockMesh:
     faces = {"contact": lies_on_plane(2, 0.0), "x = 0": lies_on_plane(0, 0.0), "y = 0": lies_on_plane(1, 0.0)}
     facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(lies_on_plane(axis, size), boundaries_only=True) for axis in range(3)]
-    return BlockMesh(with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
+    return QuarterBlockMesh(with_boundaries_from_facets(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
-def _set_element_sizes(gmsh: Any, influence: BodyOfInfluence) -> None:
+def _set_element_sizes(gmsh: Any, influence: EllipsoidElementSizes) -> None:
     """Make gmsh use the edge lengths ``influence`` for its model, and disable its other rules for element sizes."""
     field = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", influence.size_expression())
+    gmsh.model.mesh.field.setString(field, "F", influence.edge_length_formula())
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
     for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
         gmsh.option.setNumber(f"Mesh.{name}", 0)

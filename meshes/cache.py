@@ -46,7 +46,7 @@ from rollbench.meshes.files import create_private_folder, temporary_path
 from rollbench.meshes.record_keys import digest_of_values
 
 
-class StageDone(str):
+class StageMessage(str):
     """Progress message that a stage of a computation, such as meshing, is finished.
 
     The attribute ``stage`` is the name of the stage; ``cached`` tells whether all its results were read from the cache.
@@ -55,7 +55,7 @@ class StageDone(str):
     stage: str
     cached: bool
 
-    def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageDone:
+    def __new__(cls, stage: str, text: str, *, cached: bool = False) -> StageMessage:
         """Create the message "STAGE: TEXT"; ``cached``: whether all results of the stage were read from the cache."""
         done = super().__new__(cls, f"{stage}: {text}")
         done.stage, done.cached = stage, cached
@@ -167,7 +167,7 @@ class Cache:
             self._write_result(path, _SECONDS.pack(spent) + record_to_bytes(value))
         return value
 
-    def report(self, fault: str) -> None:
+    def report_fault_and_stop(self, fault: str) -> None:
         """Stop the use of the cache because of ``fault``, a reason in words, and print it once on standard error."""
         if fault and not self.fault and not self.quiet:
             print(f"rollbench: cache {self.root}: {fault}; the computation continues without the cache", file=sys.stderr)
@@ -184,7 +184,7 @@ class Cache:
         try:
             return create_private_folder(self.root, RECORDS) / f"{key}.npz"
         except OSError as error:
-            self.report(error.strerror or str(error))
+            self.report_fault_and_stop(error.strerror or str(error))
             return None
 
     def _write_result(self, path: Path, content: bytes) -> None:
@@ -205,7 +205,7 @@ class Cache:
             _remove_oldest_files(path.parent, self.limit)
             shutil.rmtree(path.parents[1].joinpath(*BEFORE), ignore_errors=True)
         except OSError as error:
-            self.report(error.strerror or str(error))
+            self.report_fault_and_stop(error.strerror or str(error))
 
 
 def _remove_oldest_files(folder: Path, limit: int) -> None:

@@ -23,21 +23,21 @@ _UNUSED = cast("np.random.Generator", None)
 
 
 @dataclass(frozen=True)
-class Specimen:
+class GeometryWithErrors:
     """Geometry with errors of one screw or bearing (specimen) at its n balls: ball radii, groove centres, groove radii."""
 
     #: Ball radii ``(n,)`` [m].
-    ball_radius: Array
+    ball_radii: Array
     #: Centres of the arcs of the flanks SL, SR, NL, NR in the section normal to the track at each ball ``(n, 4, 2)`` [m]:
     #: coordinates x3 radial, z3 across the track.
-    centre: Array
+    groove_centres: Array
     #: First and second derivatives of the groove centres with respect to azimuth ``(2, n, 4, 2)`` [m/rad, m/rad2].
-    centre_slopes: Array
+    groove_centre_derivatives: Array
     #: Groove radii of the flanks ``(4,)`` [m].
-    radius: Array
+    groove_radii: Array
     #: Profile errors of the flanks: the inward offset of the groove radius as coefficients of a polynomial in the section
     #: angle in rad ``(4, d)`` [m]; d = 0 without profile errors.
-    profile: Array
+    profile_coefficients: Array
 
 
 def _draw_fourier_amplitudes(terms: tuple[FourierTerm, ...], rng: np.random.Generator) -> list[tuple[float, float, float]]:
@@ -111,30 +111,32 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator, return_path_balls: i
 
 
 @dataclass(frozen=True)
-class DrawnErrors:
+class ErrorsAfterDrawing:
     """Errors of one screw or bearing (specimen) after random ones are drawn: ball radii, and errors along the flanks."""
 
     #: Radii of the balls ``(n,)`` [m].
-    ball_radius: Array
+    ball_radii: Array
     #: Pitch error of each flank: terms (harmonic, amplitude of the sine [m], of the cosine [m]).
-    pitch: tuple[list[tuple[float, float, float]], ...]
+    pitch_terms: tuple[list[tuple[float, float, float]], ...]
     #: Roundness error of each flank: terms (harmonic, amplitude of the sine [m], of the cosine [m]).
-    roundness: tuple[list[tuple[float, float, float]], ...]
+    roundness_terms: tuple[list[tuple[float, float, float]], ...]
     #: Profile error of each flank: coefficients [m] of the inward offset, by ascending powers of the section angle in rad.
-    profile: tuple[list[float], ...]
+    profile_coefficients: tuple[list[float], ...]
 
-    def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:
+    def geometry_at_balls(
+        self, scene: Scene, azimuths_on_screw: Array, azimuths_on_nut: Array, axial_positions: Array, ball_radii: Array
+    ) -> GeometryWithErrors:
         """Evaluate the drawn errors at the positions of balls.
 
         Parameters
         ----------
         scene : Scene
             Scene with the nominal geometry.
-        on_screw, on_nut : (n,) Array
+        azimuths_on_screw, azimuths_on_nut : (n,) Array
             Azimuths of the balls in the axes of the screw, and in those of the nut [rad].
-        station : (n,) Array
+        axial_positions : (n,) Array
             Axial positions of the balls [m].
-        ball_radius : (n,) Array
+        ball_radii : (n,) Array
             Radii of the balls [m].
 
         Returns
@@ -146,29 +148,29 @@ class DrawnErrors:
         ----------
         Lin (2019), eqs. (2.27), (4.1) and (4.3).
         """
-        n = ball_radius.size
-        centre, slopes = _groove_centres_with_lead_offset(scene, station), np.zeros((2, n, 4, 2))
+        n = ball_radii.size
+        centre, slopes = _groove_centres_with_lead_offset(scene, axial_positions), np.zeros((2, n, 4, 2))
         for s, name in enumerate(SIDES):
-            if not self.pitch[s] and not self.roundness[s]:
+            if not self.pitch_terms[s] and not self.roundness_terms[s]:
                 continue
-            phi = on_nut if name.startswith("N") else on_screw
+            phi = azimuths_on_nut if name.startswith("N") else azimuths_on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
             # (2.27): roundness along x3, pitch along z3; (4.1) has the pitch error along the axis
             offset = np.stack(
                 [
-                    _fourier_series_and_slopes(self.roundness[s], phi),
-                    along * _fourier_series_and_slopes(self.pitch[s], phi),
+                    _fourier_series_and_slopes(self.roundness_terms[s], phi),
+                    along * _fourier_series_and_slopes(self.pitch_terms[s], phi),
                 ],
                 axis=-1,
             )
             centre[:, s] += offset[0]
             slopes[:, :, s] += offset[1:]
-        degree = max(len(p) for p in self.profile)
-        table = np.array([p + [0.0] * (degree - len(p)) for p in self.profile]).reshape(4, degree)
+        degree = max(len(p) for p in self.profile_coefficients)
+        table = np.array([p + [0.0] * (degree - len(p)) for p in self.profile_coefficients]).reshape(4, degree)
         radius = nominal_groove_radii(scene)
         if degree == 1:  # a constant offset is a change of radius, not of shape
             radius, table = radius - table[:, 0], np.zeros((4, 0))
-        return Specimen(ball_radius, centre, slopes, radius, table)
+        return GeometryWithErrors(ball_radii, centre, slopes, radius, table)
 
 
 def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
@@ -207,7 +209,7 @@ def _groove_centres_with_lead_offset(scene: Scene, axial_positions: Array) -> Ar
     return centre
 
 
-def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
+def draw_errors(scene: Scene, specimen_number: int = 0) -> ErrorsAfterDrawing:
     """Draw the random errors of one specimen, that is, one screw or bearing with its own random errors.
 
     The same seed and number give the same specimen. Random numbers are drawn first for the ball radii, then for each flank
@@ -217,15 +219,15 @@ def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
     ----------
     scene : Scene
         Scene with errors and seed.
-    member : int, default 0
+    specimen_number : int, default 0
         Number of the specimen.
 
     Returns
     -------
-    DrawnErrors
+    ErrorsAfterDrawing
         Ball radii, and the errors along the flanks.
     """
-    rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
+    rng = np.random.default_rng([scene.errors.seed, specimen_number]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
     terms = [
@@ -237,10 +239,10 @@ def draw_errors(scene: Scene, member: int = 0) -> DrawnErrors:
         for e in sides
     ]
     pitch, roundness, profile = zip(*terms, strict=True)
-    return DrawnErrors(radii, pitch, roundness, profile)
+    return ErrorsAfterDrawing(radii, pitch, roundness, profile)
 
 
-def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
+def draw_geometry_with_errors(scene: Scene, layout: BallLayout, specimen_number: int = 0) -> GeometryWithErrors:
     """Draw the random errors of one screw or bearing (specimen), and return its geometry at the balls; see `draw_errors`.
 
     Parameters
@@ -249,7 +251,7 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
         Scene with errors and seed.
     layout : BallLayout
         Positions of the balls.
-    member : int, default 0
+    specimen_number : int, default 0
         Number of the specimen.
 
     Returns
@@ -262,31 +264,31 @@ def draw_specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen
     >>> import rollbench
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> draw_specimen(scene, ball_layout(scene)).ball_radius[:2].tolist()
+    >>> draw_geometry_with_errors(scene, ball_layout(scene)).ball_radius[:2].tolist()
     [0.002778, 0.002778]
     """
-    return _evaluate_at_balls(scene, layout, draw_errors(scene, member))
+    return _geometry_at_scene_balls(scene, layout, draw_errors(scene, specimen_number))
 
 
-def _evaluate_at_balls(scene: Scene, layout: BallLayout, drawn: DrawnErrors) -> Specimen:
+def _geometry_at_scene_balls(scene: Scene, layout: BallLayout, drawn: ErrorsAfterDrawing) -> GeometryWithErrors:
     """Return the geometry with the errors ``drawn`` at a scene's balls, whose positions are ``layout``."""
-    return drawn.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radius)
+    return drawn.geometry_at_balls(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, drawn.ball_radii)
 
 
 @dataclass(frozen=True)
-class Specimens:
+class GeometriesWithErrors:
     """Geometry of m screws or bearings with different random errors, at their n balls; all have the same groove radii."""
 
     #: Ball radii ``(m, n)`` [m].
-    ball_radius: Array
+    ball_radii: Array
     #: Groove centres ``(m, n, 4, 2)`` [m], or ``(1, n, 4, 2)`` where they are the same in all specimens.
-    centre: Array
+    groove_centres: Array
     #: Groove radii ``(4,)`` [m].
-    radius: Array
+    groove_radii: Array
 
 
 def have_equal_circular_grooves(scene: Scene) -> bool:
-    """Return whether the grooves of all specimens are circular arcs with the same radii, as `draw_specimens` requires.
+    """Return whether the grooves of all specimens are circular arcs with the same radii, as draws of geometry need.
 
     A specimen is one screw or bearing with its own random errors.
 
@@ -304,7 +306,7 @@ def have_equal_circular_grooves(scene: Scene) -> bool:
     return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
 
 
-def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
+def draw_geometries_with_errors(scene: Scene, layout: BallLayout, first_number: int, count: int) -> GeometriesWithErrors:
     """Draw the errors of several screws or bearings (specimens), and return their geometry at the balls.
 
     The grooves of all must be equal circular arcs (`have_equal_circular_grooves`).
@@ -312,8 +314,8 @@ def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> 
     Parameters
     ----------
     scene, layout
-        Scene with errors and seed; and positions of its balls, as for `draw_specimen`.
-    first, count : int
+        Scene with errors and seed; and positions of its balls, as for `draw_geometry_with_errors`.
+    first_number, count : int
         Number of the first specimen, and number of specimens.
 
     Returns
@@ -321,20 +323,24 @@ def draw_specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> 
     Specimens
         Geometry of the specimens at the balls.
     """
-    drawn = [draw_errors(scene, member) for member in range(first, first + count)]
-    shared = all((one.pitch, one.roundness) == (drawn[0].pitch, drawn[0].roundness) for one in drawn)
-    places = [_evaluate_at_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
-    return Specimens(np.stack([one.ball_radius for one in drawn]), np.stack([x.centre for x in places]), places[0].radius)
+    drawn = [draw_errors(scene, member) for member in range(first_number, first_number + count)]
+    shared = all(
+        (one.pitch_terms, one.roundness_terms) == (drawn[0].pitch_terms, drawn[0].roundness_terms) for one in drawn
+    )
+    places = [_geometry_at_scene_balls(scene, layout, one) for one in (drawn[:1] if shared else drawn)]
+    return GeometriesWithErrors(
+        np.stack([one.ball_radii for one in drawn]), np.stack([x.groove_centres for x in places]), places[0].groove_radii
+    )
 
 
-def scene_with_drawn_errors(scene: Scene, member: int = 0) -> Scene:
+def scene_with_drawn_errors(scene: Scene, specimen_number: int = 0) -> Scene:
     """Return a scene with fixed errors: the errors drawn for one specimen replace the random ones.
 
     Parameters
     ----------
     scene : Scene
         Scene with errors and seed.
-    member : int, default 0
+    specimen_number : int, default 0
         Number of the specimen, see `draw_errors`.
 
     Returns
@@ -344,15 +350,15 @@ def scene_with_drawn_errors(scene: Scene, member: int = 0) -> Scene:
     """
     if not scene.errors.random:
         return scene
-    drawn, errors = draw_errors(scene, member), scene.errors
+    drawn, errors = draw_errors(scene, specimen_number), scene.errors
     nominal = scene.balls.radius + errors.balls.oversize
-    listed = tuple((i, float(radius - nominal)) for i, radius in enumerate(drawn.ball_radius, 1))
+    listed = tuple((i, float(radius - nominal)) for i, radius in enumerate(drawn.ball_radii, 1))
     SL, SR, NL, NR = (
         replace(
             errors.side(name),
-            pitch=tuple(FourierTerm(*term) for term in drawn.pitch[s]),
-            roundness=tuple(FourierTerm(*term) for term in drawn.roundness[s]),
-            profile=tuple(drawn.profile[s]),
+            pitch=tuple(FourierTerm(*term) for term in drawn.pitch_terms[s]),
+            roundness=tuple(FourierTerm(*term) for term in drawn.roundness_terms[s]),
+            profile=tuple(drawn.profile_coefficients[s]),
             profile_sigma=(),
         )
         for s, name in enumerate(SIDES)

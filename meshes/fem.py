@@ -251,10 +251,10 @@ def nodes_on_boundaries(mesh: Mesh, *names: str) -> Index:
     (k,) Index
         Numbers of the nodes.
     """
-    return _freedoms_of_boundary(mesh.dofs, mesh, names)
+    return _degrees_of_freedom_of_boundaries(mesh.dofs, mesh, names)
 
 
-def freedoms_on_boundaries(mesh: Mesh, *names: str) -> Index:
+def degrees_of_freedom_on_boundaries(mesh: Mesh, *names: str) -> Index:
     """Return the displacement degrees of freedom of the nodes on named boundaries, in ascending order.
 
     Parameters
@@ -269,10 +269,10 @@ def freedoms_on_boundaries(mesh: Mesh, *names: str) -> Index:
     (k,) Index
         Numbers 3 * node + component of the degrees of freedom.
     """
-    return _freedoms_of_boundary(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
+    return _degrees_of_freedom_of_boundaries(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
 
 
-def _freedoms_of_boundary(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
+def _degrees_of_freedom_of_boundaries(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
     """Return the numbers of the degrees of freedom on the boundaries ``names`` of a mesh, in ascending order ``(k,)``.
 
     ``dofs``: numbering of the degrees of freedom by scikit-fem, of a scalar or of a vector field on the mesh.
@@ -355,21 +355,21 @@ CHUNK = 8192
 
 
 @dataclass(frozen=True)
-class Quality:
+class MeshQuality:
     """Size and quality of a mesh: numbers of cells and nodes, and smallest and median scaled Jacobian of the cells."""
 
     #: Number of cells.
-    cells: int
+    cell_count: int
     #: Number of nodes.
-    nodes: int
+    node_count: int
     #: Smallest scaled Jacobian of all cells.
-    smallest: float
+    smallest_jacobian: float
     #: Median, over the cells, of the smallest scaled Jacobian in each cell.
-    median: float
+    median_jacobian: float
     #: Number of the cell with the smallest scaled Jacobian.
-    worst: int
+    worst_cell: int
     #: Coordinates of the centre of the cell `worst` [m].
-    where: tuple[float, float, float]
+    worst_cell_centre: tuple[float, float, float]
 
 
 def shape_function_gradients(element: Element, reference_points: Array | None = None) -> Array:
@@ -461,12 +461,12 @@ def _scaled_jacobians_at_points(x: Array, gradients: Array) -> Array:
     return np.asarray(det / np.maximum(size, np.finfo(float).tiny))
 
 
-def mesh_quality(mesh: Mesh) -> Quality:
+def mesh_quality(mesh: Mesh) -> MeshQuality:
     """Return the quality of a mesh, from the smallest scaled Jacobian of each cell (`scaled_jacobians`)."""
     jacobians = scaled_jacobians(mesh)
     worst = int(jacobians.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
-    return Quality(
+    return MeshQuality(
         mesh.nelements,
         mesh.doflocs.shape[1],
         float(jacobians[worst]),
@@ -476,22 +476,24 @@ def mesh_quality(mesh: Mesh) -> Quality:
     )
 
 
-def check_no_inverted_cells(quality: Quality, name: str) -> None:
+def check_no_inverted_cells(quality: MeshQuality, body_name: str) -> None:
     """Raise ValueError if a mesh has an inverted cell, that is, a cell whose scaled Jacobian is not positive.
 
     Parameters
     ----------
     quality : Quality
         Quality of the mesh.
-    name : str
+    body_name : str
         Name of the meshed body, for the message.
     """
-    if quality.smallest > 0.0:
+    if quality.smallest_jacobian > 0.0:
         return
-    r, z = np.hypot(*quality.where[:2]), quality.where[2]
+    r, z = np.hypot(*quality.worst_cell_centre[:2]), quality.worst_cell_centre[2]
     raise ValueError(
-        f"mesh of the {name}: cell {quality.worst} of {quality.cells} at r = {1e3 * r:.4g} mm, z = {1e3 * z:.4g} mm is "
-        f"turned inside out (its scaled Jacobian {quality.smallest:.2g} must exceed 0): choose smaller element sizes"
+        f"mesh of the {body_name}: cell {quality.worst_cell} of {quality.cell_count} at r = {1e3 * r:.4g} mm, z = "
+        f"{1e3 * z:.4g} mm is "
+        f"turned inside out (its scaled Jacobian {quality.smallest_jacobian:.2g} must exceed 0): choose smaller element "
+        "sizes"
     )
 
 
@@ -506,7 +508,7 @@ INSIDE = np.hstack(
 BENT, STRAIGHTENED = 0.05, 0.01
 
 
-def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> Mesh:
+def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, reference_points: Array | None = None) -> Mesh:
     """Move the inner midside nodes of badly curved P2 tetrahedra until their scaled Jacobians are large enough.
 
     A curved edge on the surface may cut into its cell; this function then curves the inner edges of that cell too. It moves
@@ -519,7 +521,7 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = 
         Mesh of second-order tetrahedra.
     fixed_nodes : Index
         Numbers of nodes that are not moved, such as those on the surface.
-    at : (3, q) Array or None, default None
+    reference_points : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
     Returns
@@ -532,12 +534,12 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = 
     free = np.zeros(len(points), dtype=bool)
     free[cells[:, 4:]] = True
     free[fixed_nodes] = False
-    table = shape_function_gradients(mesh.elem(), at)
+    table = shape_function_gradients(mesh.elem(), reference_points)
     steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
     size = 0.2
     near = cells
     for _ in range(12):
-        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, at) < BENT]
+        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, reference_points) < BENT]
         node = np.unique(bad[:, 4:])
         node = node[free[node]]
         if not len(node):
@@ -558,7 +560,7 @@ def move_inner_midside_nodes(mesh: Mesh, fixed_nodes: Index, at: Array | None = 
     return with_node_coordinates(mesh, points)
 
 
-def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = None) -> tuple[Mesh, int]:
+def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, reference_points: Array | None = None) -> tuple[Mesh, int]:
     """Straighten the edges of badly curved P2 tetrahedra: midside nodes are moved midway between the corners.
 
     Parameters
@@ -567,7 +569,7 @@ def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = Non
         Mesh of second-order tetrahedra.
     fixed_nodes : Index
         Numbers of nodes that are not moved.
-    at : (3, q) Array or None, default None
+    reference_points : (3, q) Array or None, default None
         Reference coordinates of the points at which a cell's scaled Jacobian is computed; None for its nodes.
 
     Returns
@@ -584,7 +586,7 @@ def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = Non
     changed = np.zeros_like(free)
     near = cells
     for _ in range(8):
-        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, at) < STRAIGHTENED]
+        bad = near[_smallest_jacobian_of_cells(with_node_coordinates(mesh, points), near, reference_points) < STRAIGHTENED]
         before = int(changed.sum())
         for k, (i, j) in enumerate(mesh.refdom.edges):
             middle = 0.5 * (points[bad[:, i]] + points[bad[:, j]])
@@ -598,18 +600,20 @@ def straighten_bent_edges(mesh: Mesh, fixed_nodes: Index, at: Array | None = Non
     return with_node_coordinates(mesh, points), int(changed.sum())
 
 
-def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> tuple[Mesh, int, Quality]:
+def improve_curved_cells(
+    mesh: Mesh, body_name: str, surface_nodes: Index, nodes_to_keep: Index
+) -> tuple[Mesh, int, MeshQuality]:
     """Improve badly curved cells of a body's mesh: first by `move_inner_midside_nodes`, then by `straighten_bent_edges`.
 
     Parameters
     ----------
     mesh : Mesh
         Mesh of second-order tetrahedra.
-    name : str
+    body_name : str
         Name of the body, for the error message.
-    surface : Index
+    surface_nodes : Index
         Numbers of the nodes that `move_inner_midside_nodes` does not move: all nodes on the body's surface.
-    keep : Index
+    nodes_to_keep : Index
         Numbers of the nodes that `straighten_bent_edges` does not move; it may move other midside nodes off the surface.
 
     Returns
@@ -626,12 +630,14 @@ def improve_curved_cells(mesh: Mesh, name: str, surface: Index, keep: Index) -> 
     ValueError
         A cell is still inverted after both steps.
     """
-    found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface), keep)
+    found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface_nodes), nodes_to_keep)
     if (_smallest_jacobian_of_cells(found, found.dofs.element_dofs.T, INSIDE) <= 0.0).any():
         everywhere = np.hstack([mesh.elem.doflocs.T, INSIDE])
-        found, straight = straighten_bent_edges(move_inner_midside_nodes(mesh, surface, everywhere), keep, everywhere)
+        found, straight = straighten_bent_edges(
+            move_inner_midside_nodes(mesh, surface_nodes, everywhere), nodes_to_keep, everywhere
+        )
     mesh, quality = found, mesh_quality(found)
-    check_no_inverted_cells(quality, name)
+    check_no_inverted_cells(quality, body_name)
     return mesh, straight, quality
 
 

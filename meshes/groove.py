@@ -17,10 +17,10 @@ from rollbench.meshes.parts import Flange, UnfitKey
 from rollbench.meshes.shell import Placing
 from rollbench.meshes.sockets import (
     ON_GROOVE,
-    SocketSize,
-    helix_constants_of_grooves,
+    RefinementBoxSize,
+    helix_constants_of_starts,
     section_angles_of_flank,
-    turns_to_groove,
+    turns_and_distance_to_groove,
 )
 from rollbench.meshes.solid import RUN_OUT, WHOLE
 
@@ -29,7 +29,7 @@ SAME = 1e-8
 
 
 @dataclass(frozen=True)
-class GrooveEnds:
+class GrooveRunOut:
     """Azimuths at which a nut's groove ends beyond its loaded balls, as it does where balls leave it for the return path.
 
     The groove has its full depth up to `WHOLE` ball diameters (or the length of a refinement box) beyond the outermost
@@ -39,17 +39,19 @@ class GrooveEnds:
     """
 
     #: Constant z - r_g phi of the helix of each start's groove ``(n,)`` [m], with the lead per radian r_g.
-    lines: Array
+    helix_constants: Array
     #: Azimuths, counted along the helix, between which the groove has its full depth ``(n, 2)`` [rad]; NaN for a start
     #: without balls.
-    whole: Array
+    full_depth_azimuths: Array
     #: Angle over which the depth decreases to zero [rad].
-    length: float
+    run_out_angle: float
     #: Lead per radian r_g [m/rad].
     rg: float
 
     @classmethod
-    def of(cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: SocketSize) -> GrooveEnds:
+    def from_ball_positions(
+        cls, m: GrooveMap, sockets: Iterable[tuple[float, float, int]], size: RefinementBoxSize
+    ) -> GrooveRunOut:
         """Compute where the groove of each start ends, from the positions of the loaded balls.
 
         Parameters
@@ -58,12 +60,12 @@ class GrooveEnds:
             Groove surfaces of the track.
         sockets : Iterable[tuple[float, float, int]]
             For each contact, azimuth [rad] and axial position [m] of its ball, and flank 0 to 3.
-        size : SocketSize
+        size : RefinementBoxSize
             Size of the refinement boxes (boxes left free for the fine contact patches).
 
         Returns
         -------
-        GrooveEnds
+        GrooveRunOut
             Ends of each start's groove.
 
         Raises
@@ -73,18 +75,18 @@ class GrooveEnds:
         """
         if not m.rg:
             raise UnfitKey("solid.nut_groove", "the groove of a bearing ring has no ends: remove solid.nut_groove")
-        lines = helix_constants_of_grooves(m)
+        lines = helix_constants_of_starts(m)
         ball = 2.0 * m.ball / float(np.hypot(m.R, m.rg))
         reach = max(WHOLE * ball, size.phi)
         whole = np.full((len(lines), 2), np.nan)
         for k, line in enumerate(lines):
-            places = [(phi, *turns_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
+            places = [(phi, *turns_and_distance_to_groove(m, phi, z, line)) for phi, z, _ in sockets]
             on_line = [phi + 2.0 * np.pi * turns for phi, turns, off in places if off <= ON_GROOVE * m.ball]
             if on_line:
                 whole[k] = min(on_line) - reach, max(on_line) + reach
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
-    def depth(self, line: float, phi: Array) -> Array:
+    def relative_depth(self, line: float, phi: Array) -> Array:
         """Return the ratio of a groove's depth to its full depth: 1 where it is whole, 0 where no groove is left.
 
         Parameters
@@ -99,8 +101,8 @@ class GrooveEnds:
         Array
             Ratio of the depths at each azimuth, of the shape of ``phi``.
         """
-        low, high = self.whole[int(np.abs(self.lines - line).argmin())]
-        t = np.clip(np.maximum(low - phi, phi - high) / self.length, 0.0, 1.0)
+        low, high = self.full_depth_azimuths[int(np.abs(self.helix_constants - line).argmin())]
+        t = np.clip(np.maximum(low - phi, phi - high) / self.run_out_angle, 0.0, 1.0)
         return np.asarray(np.nan_to_num(1.0 - t * t * (3.0 - 2.0 * t)))
 
     def has_full_depth(self, points: Array) -> NDArray[np.bool_]:
@@ -117,40 +119,40 @@ class GrooveEnds:
             True where the groove has its full depth.
         """
         phi = np.arctan2(points[:, 1], points[:, 0])
-        off = points[:, 2] - self.rg * phi - self.lines[:, None]
+        off = points[:, 2] - self.rg * phi - self.helix_constants[:, None]
         turns = np.round(off / (2.0 * np.pi * self.rg))
         nearest = np.abs(off - 2.0 * np.pi * self.rg * turns).argmin(axis=0)
         number = np.arange(len(points))
         total = phi + 2.0 * np.pi * turns[nearest, number]
-        low, high = self.whole[nearest].T
+        low, high = self.full_depth_azimuths[nearest].T
         return np.asarray((total >= low) & (total <= high))
 
 
 @dataclass(frozen=True)
-class BodySpec:
+class GroovedBodySpec:
     """Dimensions, contact positions and element sizes for the mesh of a grooved screw, nut or ring with flat ends."""
 
     #: Inner radius [m]; 0 for a body without bore.
-    r_in: float
+    inner_radius: float
     #: Outer radius [m].
-    r_out: float
+    outer_radius: float
     #: Axial position of the end at smaller z [m].
     z_low: float
     #: Axial position of the end at larger z [m].
     z_high: float
     #: Whether the groove is in the outer surface (True, screw) or in the inner one (False, nut).
-    outer: bool
+    groove_outside: bool
     #: For each contact, azimuth [rad] of the ball including the offset of its start, axial position [m] of the ball, and
     #: flank 0 to 3. Around each contact the mesh leaves a refinement box free for a finer mesh.
-    sockets: tuple[tuple[float, float, int], ...]
+    contact_positions: tuple[tuple[float, float, int], ...]
     #: Size of the refinement boxes.
-    size: SocketSize
+    refinement_box_size: RefinementBoxSize
     #: Element size at the refinement boxes [m].
-    fine: float
+    cell_size_at_contacts: float
     #: Element size far from the refinement boxes [m].
-    coarse: float
-    #: Whether the groove ends beyond the outermost balls (`GrooveEnds`), or runs through the whole body.
-    ends: bool = False
+    cell_size_far_away: float
+    #: Whether the groove ends beyond the outermost balls (`GrooveRunOut`), or runs through the whole body.
+    groove_ends_inside: bool = False
     #: Flange of a nut; None for a body without flange.
     flange: Flange | None = None
 
@@ -179,39 +181,39 @@ def points_from_cylindrical(r: float | Array, phi: float | Array, z: float | Arr
 
 
 @dataclass(frozen=True)
-class Groove:
+class GrooveCrossSection:
     """Cross-section of the groove of a screw, nut or ring: section angles of its flanks, opening, wall thickness."""
 
     #: Groove surfaces of the track.
-    m: GrooveMap
+    groove_map: GrooveMap
     #: Flanks 0 to 3 of the groove: two for a gothic arch, one where the groove is a single arc.
     sides: tuple[int, ...]
     #: Radius of the lands [m].
-    land: float
+    land_radius: float
     #: Radius of the smooth surface opposite the groove [m]: the bore of a screw, or the outside of a nut.
-    behind: float
+    back_radius: float
     #: Section angle of the apex between the two arcs [rad].
-    apex: float
+    apex_angle: float
     #: Section angle of the edge at which a flank meets the land [rad].
-    edge: float
+    edge_angle: float
     #: Axial distance from the groove's centre line to the middle of its opening [m].
-    middle: float
+    opening_position: float
     #: Half width of the opening along z [m].
-    half: float
+    opening_half_width: float
     #: Thickness of the wall under the groove [m].
-    wall: float
+    wall_thickness: float
     #: Azimuths at which the groove ends; None for a groove that runs up to the flat ends.
-    ends: GrooveEnds | None
+    run_out: GrooveRunOut | None
 
     @staticmethod
-    def of(m: GrooveMap, spec: BodySpec) -> Groove:
+    def from_body(m: GrooveMap, spec: GroovedBodySpec) -> GrooveCrossSection:
         """Compute the cross-section of the groove of a screw, nut or ring.
 
         Parameters
         ----------
         m : GrooveMap
             Groove surfaces of the track.
-        spec : BodySpec
+        spec : GroovedBodySpec
             Dimensions of the body.
 
         Returns
@@ -224,17 +226,19 @@ class Groove:
         ValueError
             The groove is so wide or deep that no land or no wall remains.
         """
-        sides: tuple[int, ...] = (0, 1) if spec.outer else (2, 3)
+        sides: tuple[int, ...] = (0, 1) if spec.groove_outside else (2, 3)
         if m.has_single_arc:
             sides = tuple(s for s in sides if s in m.flanks_of_single_arc)
-        land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
+        land, behind = (
+            (spec.outer_radius, spec.inner_radius) if spec.groove_outside else (spec.inner_radius, spec.outer_radius)
+        )
         apex, edge = section_angles_of_flank(m, sides[-1], land)
         apex = max(apex, 0.0)
         gamma = np.linspace(apex, edge, 65)
         r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(sides[-1], gamma, np.full(65, m.radius[sides[-1]])))
         middle = float(m.centre[sides[-1], 1]) if m.has_single_arc else 0.0
         zeta = np.abs(zeta - middle)
-        wall = float(r.min() - behind if spec.outer else behind - r.max())
+        wall = float(r.min() - behind if spec.groove_outside else behind - r.max())
         if wall <= 0.0:
             raise ValueError(
                 f"the groove is {-1e3 * wall:.4g} mm deeper than the wall of the part, which ends at a radius of "
@@ -252,8 +256,12 @@ class Groove:
                 f"the groove is {2e3 * zeta.max():.4g} mm wide, but the ring only {1e3 * (spec.z_high - spec.z_low):.4g} "
                 "mm: widen the ring or centre it on the groove"
             )
-        ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
-        return Groove(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
+        ends = (
+            GrooveRunOut.from_ball_positions(m, spec.contact_positions, spec.refinement_box_size)
+            if spec.groove_ends_inside
+            else None
+        )
+        return GrooveCrossSection(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
     def unrolled_coordinates(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
         """Return the unrolled coordinates of points on a flank.
@@ -271,9 +279,11 @@ class Groove:
             Radius [m], axial coordinate along the unrolled groove [m] and azimuth [rad], as returned by
             `GrooveMap.section_to_unrolled`.
         """
-        return self.m.section_to_unrolled(*self.m.polar_to_section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
+        return self.groove_map.section_to_unrolled(
+            *self.groove_map.polar_to_section(side, gamma, np.full(gamma.shape, self.groove_map.radius[side]))
+        )
 
-    def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
+    def profile_points(self, side: int, gamma: Array) -> tuple[Array, Array]:
         """Return radius and unrolled axial coordinate of points on the profile of a flank.
 
         Parameters
@@ -290,7 +300,7 @@ class Groove:
         """
         return self.unrolled_coordinates(side, gamma)[:2]
 
-    def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
+    def radius_with_run_out(self, line: float, r: float | Array, phi: Array) -> float | Array:
         """Return the radius of points on a flank; where the groove ends, it passes into the radius of the land.
 
         Parameters
@@ -307,7 +317,11 @@ class Groove:
         float or Array
             Radius of the points [m].
         """
-        return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
+        return (
+            r
+            if self.run_out is None
+            else self.land_radius + self.run_out.relative_depth(line, phi) * (r - self.land_radius)
+        )
 
 
 def line_along_first_axis(second_coordinate: float) -> Placing:
@@ -366,12 +380,12 @@ def helix_in_plane_coordinates(
     )
 
 
-def azimuth_of_widest_gap(spec: BodySpec) -> float:
+def azimuth_of_widest_gap(spec: GroovedBodySpec) -> float:
     """Return the azimuth midway in the widest angular gap between the contacts of a ring, where its faces are cut open.
 
     Parameters
     ----------
-    spec : BodySpec
+    spec : GroovedBodySpec
         Dimensions and contact positions of the ring.
 
     Returns
@@ -379,9 +393,9 @@ def azimuth_of_widest_gap(spec: BodySpec) -> float:
     float
         Azimuth [rad]; 0 for a body without refinement boxes.
     """
-    if not spec.sockets:
+    if not spec.contact_positions:
         return 0.0
-    phi = np.sort(np.mod([p for p, _, _ in spec.sockets], 2.0 * np.pi))
+    phi = np.sort(np.mod([p for p, _, _ in spec.contact_positions], 2.0 * np.pi))
     gaps = np.diff(np.append(phi, phi[0] + 2.0 * np.pi))
     k = int(np.round(gaps, 9).argmax())
     return float(phi[k] + 0.5 * gaps[k])

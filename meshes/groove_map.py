@@ -53,7 +53,7 @@ class GrooveMap:
     arcs: Literal["two", "+z", "-z"] = frozen_default("two")
 
     @staticmethod
-    def of(scene: Scene) -> GrooveMap:
+    def from_scene(scene: Scene) -> GrooveMap:
         """Create the groove surfaces of a scene from its nominal dimensions.
 
         Parameters
@@ -111,7 +111,7 @@ class GrooveMap:
         """Flanks (0 to 3) that carry contacts where each groove is a single arc; empty for gothic arches."""
         return flanks_with_contacts_of_arcs(self.rg, self.arcs, self.touches_at_apex)
 
-    def axes(self) -> Array:
+    def section_axes(self) -> Array:
         """Return the unit vectors of the frame of the groove section (normal to the helix) at azimuth 0.
 
         Returns
@@ -195,7 +195,7 @@ class GrooveMap:
         psi = np.arctan2(-z3 * sin(self.alpha), self.R + x3)
         return r, z3 * cos(self.alpha) - self.rg * psi, psi
 
-    def roll(self, r: Array, zeta: Array) -> tuple[Array, Array]:
+    def unrolled_to_section(self, r: Array, zeta: Array) -> tuple[Array, Array]:
         """Convert unrolled coordinates to coordinates x3, z3 in the groove section; inverse of `section_to_unrolled`.
 
         Newton's method for z3, which converges near the groove, where abs(z3 sin alpha) < 0.9 r.
@@ -252,7 +252,7 @@ class GrooveMap:
         wx, wz = x3 - self.centre[side, 0], z3 - self.centre[side, 1]
         return np.arctan2(sz * wz, sx * wx), np.hypot(wx, wz)
 
-    def space(self, r: Array, zeta: Array, phi: Array) -> Array:
+    def unrolled_to_cartesian(self, r: Array, zeta: Array, phi: Array) -> Array:
         """Convert unrolled coordinates along the groove's helix to Cartesian coordinates.
 
         Parameters

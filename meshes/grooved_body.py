@@ -19,15 +19,15 @@ from skfem import Mesh
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import (
     MeshedBody,
-    Quality,
+    MeshQuality,
     improve_curved_cells,
     largest_arc_deviation,
     node_coordinates,
     nodes_on_boundaries,
 )
 from rollbench.meshes.groove import (
-    BodySpec,
-    Groove,
+    GrooveCrossSection,
+    GroovedBodySpec,
     azimuth_of_widest_gap,
     circle_in_plane,
     circle_in_space,
@@ -46,26 +46,26 @@ from rollbench.meshes.shell import (
     GROWTH,
     POOREST,
     WALL,
+    ClosedSurfaceMesh,
     DividedCurve,
-    FilledShell,
+    FilledSurfaceMesh,
     Placing,
-    Shell,
     Side,
-    fill_shell,
-    graded_size_function,
-    mesh_with_smallest_fault,
+    best_mesh_of_attempts,
+    edge_length_growing_with_distance,
+    mesh_inside_closed_surface,
 )
 from rollbench.meshes.sockets import (
     ON_GROOVE,
-    SocketMesh,
-    check_sockets_fit,
-    helix_constants_of_grooves,
-    mesh_socket_of_flank,
-    nodes_of_socket_rim,
-    points_in_reference_socket,
-    points_in_socket,
-    turns_to_groove,
-    unrolled_socket_centre,
+    RefinementBoxFaces,
+    check_refinement_boxes_fit,
+    helix_constants_of_starts,
+    mesh_refinement_box_of_flank,
+    points_in_box_at_azimuth_zero,
+    points_in_refinement_box,
+    rim_nodes_of_refinement_box,
+    turns_and_distance_to_groove,
+    unrolled_nominal_contact_point,
 )
 
 #: Longest edges on flanks, as a ratio to the coarse element size. Most cells of a body are at its long, narrow groove.
@@ -77,7 +77,7 @@ SLIVER = 0.1
 
 
 @dataclass(frozen=True)
-class GroovedBody(MeshedBody):
+class CoarseGroovedBodyMesh(MeshedBody):
     """Coarse mesh of a screw, nut or ring, with a refinement box left free around each contact for a finer mesh.
 
     Names of its boundaries: "low end", "high end", "flank SL" (SR, NL, NR), "land"; "bore" of a hollow screw or "outside"
@@ -88,13 +88,13 @@ class GroovedBody(MeshedBody):
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
     #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``sockets``.
-    socket_nodes: Index
+    nodes_on_box_faces: Index
     #: Mesh of the faces of a refinement box, by the flank (0 to 3) on which the box lies.
-    sockets: dict[int, SocketMesh]
+    box_faces: dict[int, RefinementBoxFaces]
     #: Largest distance of the flanks' nodes, including the refinement boxes' rims, from the exact flanks [m].
-    deviation: float
+    flank_deviation: float
     #: Number of cells and nodes, and the scaled Jacobians of the cells.
-    quality: Quality
+    quality: MeshQuality
 
 
 class GroovedBodySurface:
@@ -104,7 +104,12 @@ class GroovedBodySurface:
     """
 
     def __init__(
-        self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0, groove: Groove | None = None
+        self,
+        shell: ClosedSurfaceMesh,
+        m: GrooveMap,
+        spec: GroovedBodySpec,
+        share: float = 1.0,
+        groove: GrooveCrossSection | None = None,
     ) -> None:
         """Divide the curves of the body's surface and triangulate its faces.
 
@@ -117,7 +122,7 @@ class GroovedBodySurface:
             Surface mesh to which the faces are added.
         m : GrooveMap
             Groove surfaces of the track.
-        spec : BodySpec
+        spec : GroovedBodySpec
             Dimensions and refinement boxes of the body.
         share : float, default 1.0
             Factor on the default lengths of the longest edges on curved faces.
@@ -125,24 +130,28 @@ class GroovedBodySurface:
             Cross-section of the groove; None: it is computed from ``m`` and ``spec``.
         """
         self.shell, self.m, self.spec = shell, m, spec
-        self.groove = groove or Groove.of(m, spec)
+        self.groove = groove or GrooveCrossSection.from_body(m, spec)
         self.z = (spec.z_low, spec.z_high)
         kinds = {
-            s: mesh_socket_of_flank(partial(partial, points_in_reference_socket, m, spec.size), s, spec.size.cuts)
+            s: mesh_refinement_box_of_flank(
+                partial(partial, points_in_box_at_azimuth_zero, m, spec.refinement_box_size),
+                s,
+                spec.refinement_box_size.edge_divisions,
+            )
             for s in self.groove.sides
         }
-        self.boxes = {side: kinds[side][0] for side in sorted({s for _, _, s in spec.sockets})}
+        self.boxes = {side: kinds[side][0] for side in sorted({s for _, _, s in spec.contact_positions})}
         self.corners = []
-        for socket in spec.sockets:
+        for socket in spec.contact_positions:
             box, raised = kinds[socket[2]]
-            places = (points_in_socket(m, spec.size, socket, x) for x in (box.xi, raised))
-            self.corners.append(shell.socket("sockets", box, *places))
-        self.flank_limit = share * min(BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.coarse)
+            places = (points_in_refinement_box(m, spec.refinement_box_size, socket, x) for x in (box.xi, raised))
+            self.corners.append(shell.add_refinement_box("sockets", box, *places))
+        self.flank_limit = share * min(BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.cell_size_far_away)
         self.bend = share * BEND[1]
         self.start = azimuth_of_widest_gap(spec)
         self._triangulate_end_faces(self._triangulate_helical_groove() if m.rg else self._triangulate_ring_groove())
 
-    def _socket_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
+    def _box_rims_on_flank(self, side: int, line: float) -> list[list[Side]]:
         """Return the rims of the refinement boxes on a flank of one start's groove, the holes in the face of the flank.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g. Each rim is
@@ -150,21 +159,24 @@ class GroovedBodySurface:
         """
         m, spec = self.m, self.spec
         holes = []
-        for corners, (phi, z, socket_side) in zip(self.corners, spec.sockets, strict=True):
-            turns, off = turns_to_groove(m, phi, z, line)
+        for corners, (phi, z, socket_side) in zip(self.corners, spec.contact_positions, strict=True):
+            turns, off = turns_and_distance_to_groove(m, phi, z, line)
             if socket_side != side or off > ON_GROOVE * m.ball:
                 continue
-            top = nodes_of_socket_rim(self.boxes[side])
+            top = rim_nodes_of_refinement_box(self.boxes[side])
             top = np.append(top, top[0])
             xi = self.boxes[side].xi[top]
-            middle = phi + 2.0 * np.pi * turns + unrolled_socket_centre(m, side)[2]
+            middle = phi + 2.0 * np.pi * turns + unrolled_nominal_contact_point(m, side)[2]
             if not m.rg:
                 middle = self.start + np.mod(middle - self.start, 2.0 * np.pi)
-            at = np.stack([middle + spec.size.phi * xi[:, 2], m.beta + spec.size.gamma * xi[:, 0]], axis=1)
+            at = np.stack(
+                [middle + spec.refinement_box_size.phi * xi[:, 2], m.beta + spec.refinement_box_size.gamma * xi[:, 0]],
+                axis=1,
+            )
             holes.append([(corners[top], at)])
         return holes
 
-    def _flank(self, side: int, line: float, boundary: list[Side]) -> None:
+    def _triangulate_flank(self, side: int, line: float, boundary: list[Side]) -> None:
         """Triangulate a flank of one start's groove.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g;
@@ -172,7 +184,7 @@ class GroovedBodySurface:
         plane in which azimuths are measured from the section normal to the helix, because this distorts angles least.
         """
         m = self.m
-        scale = np.array([np.hypot(m.rg, unrolled_socket_centre(m, side)[0]), float(m.radius[side])])
+        scale = np.array([np.hypot(m.rg, unrolled_nominal_contact_point(m, side)[0]), float(m.radius[side])])
 
         def to_plane(x: Array) -> Array:
             return scale * np.stack([x[:, 0] - self.groove.unrolled_coordinates(side, x[:, 1])[2], x[:, 1]], axis=1)
@@ -181,10 +193,10 @@ class GroovedBodySurface:
             along, gamma = (plane / scale).T
             r, zeta, turn = self.groove.unrolled_coordinates(side, gamma)
             phi = along + turn
-            return points_from_cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
+            return points_from_cylindrical(self.groove.radius_with_run_out(line, r, phi), phi, line + zeta + m.rg * phi)
 
-        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._socket_rims_on_flank(side, line))]
-        self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
+        loops = [[(n, to_plane(x)) for n, x in loop] for loop in (boundary, *self._box_rims_on_flank(side, line))]
+        self.shell.add_face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
         """Triangulate a face on the cylinder of radius ``r`` [m] about the axis, with edges of at most ``limit`` [m].
@@ -194,13 +206,13 @@ class GroovedBodySurface:
         """
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
-        self.shell.face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
+        self.shell.add_face(name, [loop], lambda x: points_from_cylindrical(r, x[:, 0] / r, x[:, 1]), limit)
 
     def _divide_circle(self, r: float, z: float, limit: float) -> DividedCurve:
         """Divide the circle of radius ``r`` about the axis, at the position ``z``, into edges of at most ``limit`` [m]."""
-        return self.shell.curve(circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit)
+        return self.shell.add_divided_curve(circle_in_space(r, z), self.start, self.start + 2.0 * np.pi, limit)
 
-    def _around(
+    def _sides_of_closed_face(
         self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
     ) -> list[Side]:
         """Return the four sides of a face between two circles about the axis, after the face is cut open along a seam.
@@ -209,9 +221,14 @@ class GroovedBodySurface:
         of ``high``; ``seam``: function that maps the second plane coordinate to points in space, from ``low`` to ``high``;
         ``limit``: length of the longest edge on the seam [m].
         """
-        cut = self.shell.curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
+        cut = self.shell.add_divided_curve(seam, *at, limit, (int(low.nodes[0]), int(high.nodes[0])))
         begin, end = line_along_second_axis(self.start), line_along_second_axis(self.start + 2.0 * np.pi)
-        return [low.on(line_along_first_axis(at[0])), cut.on(end), high.back(line_along_first_axis(at[1])), cut.back(begin)]
+        return [
+            low.as_side_of_face(line_along_first_axis(at[0])),
+            cut.as_side_of_face(end),
+            high.as_reversed_side_of_face(line_along_first_axis(at[1])),
+            cut.as_reversed_side_of_face(begin),
+        ]
 
     def _triangulate_tube(
         self, name: str, r: float, low: DividedCurve, high: DividedCurve, z: tuple[float, float], limit: float
@@ -221,7 +238,7 @@ class GroovedBodySurface:
         ``name``: name of the boundary of the mesh to which the face belongs; ``z``: axial positions of ``low`` and ``high``
         [m]; ``limit``: length of the longest edge [m].
         """
-        seam = self._around(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
+        seam = self._sides_of_closed_face(low, high, z, lambda t: points_from_cylindrical(r, self.start, t), limit)
         self._triangulate_on_cylinder(name, r, seam, limit)
 
     def _triangulate_end_faces(self, bounds: list[list[Side]]) -> None:
@@ -230,22 +247,24 @@ class GroovedBodySurface:
         ``bounds``: for the end at smaller z, then for that at larger z, the sides of the closed boundary of the end on the
         side of the groove, in the coordinates (x, y) [m].
         """
-        r = self.groove.behind
+        r = self.groove.back_radius
         loops = [[bound] for bound in bounds]
         if r > 0.0:
-            limit = min(self.bend * r, max(WALL * self.groove.wall, self.shell.fine))
+            limit = min(self.bend * r, max(WALL * self.groove.wall_thickness, self.shell.fine))
             places = [(r, z) for z in self.z]
             if self.spec.flange is None:
                 circles = [self._divide_circle(r, z, limit) for z in self.z]
-                self._triangulate_tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
+                self._triangulate_tube(
+                    "bore" if self.spec.groove_outside else "outside", r, circles[0], circles[1], self.z, limit
+                )
             else:
                 thin = max(THICKNESS * self.spec.flange.thickness, self.shell.fine)
                 names, places = outer_surfaces_of_flanged_nut(self.spec.flange, r, self.z, SLIVER * thin)
                 circles = self._triangulate_flanged_outside(names, places, limit, thin)
             for loop, ring, (radius, _) in zip(loops, (circles[0], circles[-1]), (places[0], places[-1]), strict=True):
-                loop.insert(1 if self.spec.outer else 0, [ring.on(circle_in_plane(radius))])
+                loop.insert(1 if self.spec.groove_outside else 0, [ring.as_side_of_face(circle_in_plane(radius))])
         for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
-            self.shell.face(name, loop, point_map_at_z(z), np.inf)
+            self.shell.add_face(name, loop, point_map_at_z(z), np.inf)
 
     def _triangulate_flanged_outside(
         self, names: list[str], places: list[tuple[float, float]], limit: float, thin: float
@@ -265,7 +284,9 @@ class GroovedBodySurface:
                 self._triangulate_tube(name, r, circles[k], circles[k + 1], (z, end), size)
             else:
                 outer, inner = sorted(((r, circles[k]), (other, circles[k + 1])), key=lambda x: -x[0])
-                self.shell.face(name, [[c.on(circle_in_plane(x))] for x, c in (outer, inner)], point_map_at_z(z), size)
+                self.shell.add_face(
+                    name, [[c.as_side_of_face(circle_in_plane(x))] for x, c in (outer, inner)], point_map_at_z(z), size
+                )
         return circles
 
     def _triangulate_ring_groove(self) -> list[list[Side]]:
@@ -274,57 +295,69 @@ class GroovedBodySurface:
         Each boundary, first that at smaller z, is a circle in the plane coordinates (x, y) [m].
         """
         g, line = self.groove, self.m.z0
-        limit = self.bend * g.land
-        circles = [self._divide_circle(g.land, z, limit) for z in self.z]
-        low, high = line + g.middle - g.half, line + g.middle + g.half
-        left, right = (self._divide_circle(g.land, z, min(limit, self.flank_limit)) for z in (low, high))
-        self._triangulate_tube("land", g.land, circles[0], left, (self.z[0], low), limit)
-        self._triangulate_tube("land", g.land, right, circles[1], (high, self.z[1]), limit)
+        limit = self.bend * g.land_radius
+        circles = [self._divide_circle(g.land_radius, z, limit) for z in self.z]
+        low, high = line + g.opening_position - g.opening_half_width, line + g.opening_position + g.opening_half_width
+        left, right = (self._divide_circle(g.land_radius, z, min(limit, self.flank_limit)) for z in (low, high))
+        self._triangulate_tube("land", g.land_radius, circles[0], left, (self.z[0], low), limit)
+        self._triangulate_tube("land", g.land_radius, right, circles[1], (high, self.z[1]), limit)
         if self.m.has_single_arc:
             side = g.sides[0]
-            faces = [(side, *((left, right) if SIDE_SIGNS[side][1] > 0.0 else (right, left)), -g.edge)]
+            faces = [(side, *((left, right) if SIDE_SIGNS[side][1] > 0.0 else (right, left)), -g.edge_angle)]
         else:
-            r, zeta = g.profile(g.sides[0], np.array([g.apex]))
+            r, zeta = g.profile_points(g.sides[0], np.array([g.apex_angle]))
             apex = self._divide_circle(float(r[0]), line + float(zeta[0]), min(limit, self.flank_limit))
-            faces = [(side, apex, edge, g.apex) for side, edge in zip(g.sides, (left, right), strict=True)]
+            faces = [(side, apex, edge, g.apex_angle) for side, edge in zip(g.sides, (left, right), strict=True)]
         for side, first, last, begin in faces:
 
             def seam_points(gamma: Array, side: int = side) -> Array:
-                r, zeta = g.profile(side, gamma)
+                r, zeta = g.profile_points(side, gamma)
                 return points_from_cylindrical(r, self.start, line + zeta)
 
-            self._flank(side, line, self._around(first, last, (begin, g.edge), seam_points, self.flank_limit))
-        return [[c.on(circle_in_plane(g.land))] for c in circles]
+            self._triangulate_flank(
+                side, line, self._sides_of_closed_face(first, last, (begin, g.edge_angle), seam_points, self.flank_limit)
+            )
+        return [[c.as_side_of_face(circle_in_plane(g.land_radius))] for c in circles]
 
     def _triangulate_helical_groove(self) -> list[list[Side]]:
         """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends at the groove.
 
         Each boundary, first that at smaller z, is a list of sides in the plane coordinates (x, y) [m].
         """
-        g, rg, lines = self.groove, self.m.rg, helix_constants_of_grooves(self.m)
-        threads = [GrooveThread(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land)) for line in lines]
+        g, rg, lines = self.groove, self.m.rg, helix_constants_of_starts(self.m)
+        threads = [
+            HelicalGrooveCurves(self.shell, g, line, self.z, min(self.flank_limit, self.bend * g.land_radius))
+            for line in lines
+        ]
         pitch = 2.0 * np.pi * abs(rg) / self.m.starts
         arcs = []
         for k, thread in enumerate(threads):
             for place, side in enumerate(g.sides):
-                self._flank(side, thread.line, thread.flank(place))
+                self._triangulate_flank(side, thread.line, thread.sides_of_flank(place))
             following = threads[(k - 1 if rg > 0.0 else k + 1) % len(threads)]
             near, far = (
-                helix_in_plane_coordinates(thread.line, g.half, rg),
-                helix_in_plane_coordinates(thread.line, pitch - g.half, rg),
+                helix_in_plane_coordinates(thread.line, g.opening_half_width, rg),
+                helix_in_plane_coordinates(thread.line, pitch - g.opening_half_width, rg),
             )
             pair = []
             for end, z in zip((0, -1), self.z, strict=True):
                 begin, stop = (float(x(np.array([z]))[0, 0]) for x in (near, far))
                 ends = int(thread.rails[2].nodes[end]), int(following.rails[0].nodes[end])
-                pair.append(self.shell.curve(circle_in_space(g.land, z), begin, stop, self.bend * g.land, ends))
-            low, high = pair[0].on(line_along_first_axis(self.z[0])), pair[1].back(line_along_first_axis(self.z[1]))
-            boundary = [low, following.rails[0].on(far), high, thread.rails[2].back(near)]
-            self._triangulate_on_cylinder("land", g.land, boundary, self.bend * g.land)
+                pair.append(
+                    self.shell.add_divided_curve(
+                        circle_in_space(g.land_radius, z), begin, stop, self.bend * g.land_radius, ends
+                    )
+                )
+            low, high = (
+                pair[0].as_side_of_face(line_along_first_axis(self.z[0])),
+                pair[1].as_reversed_side_of_face(line_along_first_axis(self.z[1])),
+            )
+            boundary = [low, following.rails[0].as_side_of_face(far), high, thread.rails[2].as_reversed_side_of_face(near)]
+            self._triangulate_on_cylinder("land", g.land_radius, boundary, self.bend * g.land_radius)
             arcs.append(pair)
         return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
-    def _boundary_of_end_face(self, threads: list[GrooveThread], arcs: list[DividedCurve], end: int) -> list[Side]:
+    def _boundary_of_end_face(self, threads: list[HelicalGrooveCurves], arcs: list[DividedCurve], end: int) -> list[Side]:
         """Return the sides of a flat end's boundary at the grooves: per start, right flank, land, and the next left flank.
 
         ``threads``: curves of each start's groove; ``arcs``: for each start, the arc of its land at this end; ``end``: 0
@@ -335,46 +368,52 @@ class GroovedBodySurface:
         for _ in threads:
             n = (k + step) % len(threads)
             loop += [
-                threads[k].cuts[1][end].on(threads[k].flat(1, end)),
-                arcs[k].on(circle_in_plane(g.land)),
-                threads[n].cuts[0][end].back(threads[n].flat(0, end)),
+                threads[k].cuts[1][end].as_side_of_face(threads[k].end_curve_in_plane(1, end)),
+                arcs[k].as_side_of_face(circle_in_plane(g.land_radius)),
+                threads[n].cuts[0][end].as_reversed_side_of_face(threads[n].end_curve_in_plane(0, end)),
             ]
             k = n
         return loop
 
 
-class GrooveThread:
+class HelicalGrooveCurves:
     """Curves that bound the two flanks of one start's helical groove.
 
     The attribute ``rails`` holds the curves along the left edge, the apex and the right edge of the groove; ``cuts`` holds,
     for the left and the right flank, the curves in which it meets the two flat ends.
     """
 
-    def __init__(self, shell: Shell, groove: Groove, line: float, z: tuple[float, float], limit: float) -> None:
+    def __init__(
+        self, shell: ClosedSurfaceMesh, groove: GrooveCrossSection, line: float, z: tuple[float, float], limit: float
+    ) -> None:
         """Divide the curves into edges of at most ``limit`` [m], and add their nodes to ``shell``.
 
         ``groove``: cross-section of the groove; ``line``: constant z - r_g phi of the groove [m], with the lead per radian
         r_g; ``z``: axial positions of the flat ends [m].
         """
         self.groove, self.line, self.z = groove, line, z
-        r, zeta = groove.profile(groove.sides[0], np.array([groove.apex]))
-        places = ((groove.land, -groove.half), (float(r[0]), float(zeta[0])), (groove.land, groove.half))
+        r, zeta = groove.profile_points(groove.sides[0], np.array([groove.apex_angle]))
+        places = (
+            (groove.land_radius, -groove.opening_half_width),
+            (float(r[0]), float(zeta[0])),
+            (groove.land_radius, groove.opening_half_width),
+        )
         self.zeta = [p[1] for p in places]
         self.rails = []
         for radius, height in places:
 
             def space(t: Array, radius: float = radius, height: float = height) -> Array:
-                phi = (t - line - height) / groove.m.rg
-                return points_from_cylindrical(groove.radius(line, radius, phi), phi, t)
+                phi = (t - line - height) / groove.groove_map.rg
+                return points_from_cylindrical(groove.radius_with_run_out(line, radius, phi), phi, t)
 
-            first, last = shell.nodes(space(np.array(z)))
-            self.rails.append(shell.curve(space, *z, limit, (int(first), int(last))))
+            first, last = shell.add_nodes(space(np.array(z)))
+            self.rails.append(shell.add_divided_curve(space, *z, limit, (int(first), int(last))))
         self.cuts = [
             [
-                shell.curve(
+                shell.add_divided_curve(
                     self._end_curve_in_space(place, end),
-                    groove.apex,
-                    groove.edge,
+                    groove.apex_angle,
+                    groove.edge_angle,
                     limit,
                     (int(self.rails[1].nodes[-end]), int(self.rails[2 * place].nodes[-end])),
                 )
@@ -383,24 +422,24 @@ class GrooveThread:
             for place in (0, 1)
         ]
 
-    def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
+    def _radius_and_azimuth_at_end(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
         """Return radius [m] and azimuth [rad] of points on the curve in which a flank meets a flat end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z; ``gamma``: section
         angles of the points [rad].
         """
-        r, zeta = self.groove.profile(self.groove.sides[place], gamma)
-        phi = (self.z[end] - self.line - zeta) / self.groove.m.rg
-        return self.groove.radius(self.line, r, phi), phi
+        r, zeta = self.groove.profile_points(self.groove.sides[place], gamma)
+        phi = (self.z[end] - self.line - zeta) / self.groove.groove_map.rg
+        return self.groove.radius_with_run_out(self.line, r, phi), phi
 
     def _end_curve_in_space(self, place: int, end: int) -> Placing:
         """Return the curve in space in which a flank meets a flat end, as a function of the section angle gamma [rad].
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z.
         """
-        return lambda gamma: points_from_cylindrical(*self._azimuth(place, end, gamma), self.z[end])
+        return lambda gamma: points_from_cylindrical(*self._radius_and_azimuth_at_end(place, end, gamma), self.z[end])
 
-    def flat(self, place: int, end: int) -> Placing:
+    def end_curve_in_plane(self, place: int, end: int) -> Placing:
         """Return the curve in which a flank meets a flat end, in the plane coordinates (x, y) [m] of the end.
 
         ``place``: 0 left, 1 right flank; ``end``: 0 for the end at smaller z, 1 for that at larger z. The parameter of the
@@ -408,7 +447,7 @@ class GrooveThread:
         """
         return lambda gamma: self._end_curve_in_space(place, end)(gamma)[:, :2]
 
-    def flank(self, place: int) -> list[Side]:
+    def sides_of_flank(self, place: int) -> list[Side]:
         """Return the four sides of a flank in the plane coordinates (azimuth, section angle gamma) [rad].
 
         ``place``: 0 left, 1 right flank.
@@ -416,28 +455,34 @@ class GrooveThread:
         g = self.groove
 
         def cut(end: int) -> Placing:
-            return lambda gamma: np.stack([self._azimuth(place, end, gamma)[1], gamma], axis=1)
+            return lambda gamma: np.stack([self._radius_and_azimuth_at_end(place, end, gamma)[1], gamma], axis=1)
 
         apex, edge = (
-            helix_in_plane_coordinates(self.line, self.zeta[k], g.m.rg, at) for k, at in ((1, g.apex), (2 * place, g.edge))
+            helix_in_plane_coordinates(self.line, self.zeta[k], g.groove_map.rg, at)
+            for k, at in ((1, g.apex_angle), (2 * place, g.edge_angle))
         )
         low, high = self.cuts[place]
-        return [low.on(cut(0)), self.rails[2 * place].on(edge), high.back(cut(1)), self.rails[1].back(apex)]
+        return [
+            low.as_side_of_face(cut(0)),
+            self.rails[2 * place].as_side_of_face(edge),
+            high.as_reversed_side_of_face(cut(1)),
+            self.rails[1].as_reversed_side_of_face(apex),
+        ]
 
 
-def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
+def mesh_grooved_body(m: GrooveMap, spec: GroovedBodySpec) -> CoarseGroovedBodyMesh:
     """Mesh a screw, nut or ring coarsely, and leave a refinement box free around each contact for a finer mesh.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    spec : BodySpec
+    spec : GroovedBodySpec
         Dimensions, refinement boxes and element sizes of the body.
 
     Returns
     -------
-    GroovedBody
+    CoarseGroovedBodyMesh
         The mesh.
 
     Raises
@@ -445,41 +490,50 @@ def mesh_grooved_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
     ValueError
         A refinement box does not fit, or no attempt of gmsh gives a good mesh.
     """
-    land, behind = (spec.r_out, spec.r_in) if spec.outer else (spec.r_in, spec.r_out)
-    check_sockets_fit(m, spec.size, spec.sockets, land, behind, (spec.z_low, spec.z_high))
-    Groove.of(m, spec)
+    land, behind = (spec.outer_radius, spec.inner_radius) if spec.groove_outside else (spec.inner_radius, spec.outer_radius)
+    check_refinement_boxes_fit(m, spec.refinement_box_size, spec.contact_positions, land, behind, (spec.z_low, spec.z_high))
+    GrooveCrossSection.from_body(m, spec)
     xi = np.array(list(product((-1.0, 0.0, 1.0), (0.0, 0.5, 1.0), (-1.0, 0.0, 1.0))))
-    near = np.concatenate([np.zeros((0, 3)), *(points_in_socket(m, spec.size, socket, xi) for socket in spec.sockets)])
+    near = np.concatenate(
+        [
+            np.zeros((0, 3)),
+            *(points_in_refinement_box(m, spec.refinement_box_size, socket, xi) for socket in spec.contact_positions),
+        ]
+    )
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[GroovedBody, float]:
-        sizes = share * spec.fine, share * spec.coarse
-        shell = Shell(gmsh, graded_size_function(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[CoarseGroovedBodyMesh, float]:
+        sizes = share * spec.cell_size_at_contacts, share * spec.cell_size_far_away
+        shell = ClosedSurfaceMesh(
+            gmsh, edge_length_growing_with_distance(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane
+        )
         surface = GroovedBodySurface(shell, m, spec, share)
-        body = _build_body_record(surface, fill_shell(shell, volume))
-        off = body.deviation / m.ball if body.deviation > EXACT else 0.0
-        return body, off + max(0.0, POOREST - body.quality.smallest)
+        body = _build_body_record(surface, mesh_inside_closed_surface(shell, volume))
+        off = body.flank_deviation / m.ball if body.flank_deviation > EXACT else 0.0
+        return body, off + max(0.0, POOREST - body.quality.smallest_jacobian)
 
-    return mesh_with_smallest_fault("screw" if spec.outer else "nut", attempt)
+    return best_mesh_of_attempts("screw" if spec.groove_outside else "nut", attempt)
 
 
-def _build_body_record(surface: GroovedBodySurface, filled: FilledShell) -> GroovedBody:
+def _build_body_record(surface: GroovedBodySurface, filled: FilledSurfaceMesh) -> CoarseGroovedBodyMesh:
     """Build the record of a body's mesh: name its boundaries, improve badly curved cells, measure deviation and quality.
 
     ``surface``: surface of the body; ``filled``: mesh of the volume inside it. Edges that would invert cells are
     straightened.
     """
     m, spec, shell = surface.m, surface.spec, surface.shell
-    places = zip(surface.corners, spec.sockets, strict=True)
-    rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
+    places = zip(surface.corners, spec.contact_positions, strict=True)
+    rows = [filled.nodes_on_refinement_box(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
-    name = "screw" if spec.outer else "nut"
-    mesh, _, quality = improve_curved_cells(filled.named(shell), name, filled.on(shell.tris()), sockets)
+    name = "screw" if spec.groove_outside else "nut"
+    mesh, _, quality = improve_curved_cells(
+        filled.with_named_boundaries(shell), name, filled.nodes_of_triangles(shell.triangles_on_boundary()), sockets
+    )
     flanks = {s: node_coordinates(mesh)[nodes_on_boundaries(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
-    ends = surface.groove.ends
+    ends = surface.groove.run_out
     deviation = max(
         _largest_flank_deviation(m, s, x if ends is None else x[ends.has_full_depth(x)]) for s, x in flanks.items()
     )
-    return GroovedBody(mesh, sockets, surface.boxes, deviation, quality)
+    return CoarseGroovedBodyMesh(mesh, sockets, surface.boxes, deviation, quality)
 
 
 def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
@@ -492,4 +546,4 @@ def _largest_flank_deviation(m: GrooveMap, side: int, points: Array) -> float:
         zeta = zeta - m.rg * (np.arctan2(points[:, 1], points[:, 0]) - m.phase)
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         zeta = zeta - pitch * np.round(zeta / pitch)
-    return largest_arc_deviation(*m.roll(r, zeta), m.centre[side], float(m.radius[side]))
+    return largest_arc_deviation(*m.unrolled_to_section(r, zeta), m.centre[side], float(m.radius[side]))

@@ -33,10 +33,10 @@ def has_single_arc_grooves(scene: Scene) -> bool:
     bool
         True for grooves of single arcs; False for gothic arches, and for every screw.
     """
-    return bool(flanks_with_contacts(scene))
+    return bool(flanks_of_single_arc_contacts(scene))
 
 
-def flanks_with_contacts(scene: Scene) -> tuple[int, ...]:
+def flanks_of_single_arc_contacts(scene: Scene) -> tuple[int, ...]:
     """Return the flanks that carry the contacts of a bearing whose grooves are single arcs.
 
     Parameters
@@ -56,7 +56,7 @@ def flanks_with_contacts(scene: Scene) -> tuple[int, ...]:
     )
 
 
-def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[int, ...]:
+def flanks_with_contacts_of_arcs(lead: float, arcs: str, contacts_merge: bool) -> tuple[int, ...]:
     """Return the flanks that carry the contacts of single-arc grooves, from lead and arcs instead of a scene.
 
     The groove of a screw is always a gothic arch: with a single arc near the apex its nut would carry no thrust.
@@ -67,7 +67,7 @@ def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[in
         Lead [m] or lead per radian [m/rad]; only whether it is zero matters.
     arcs : str
         Arcs of each groove, as in ``Track.arcs``: ``"two"``, ``"+z"`` or ``"-z"``.
-    near : bool
+    contacts_merge : bool
         Whether the contacts on both flanks of a gothic arch count as one, as returned by `contacts_merge_at_apex`.
 
     Returns
@@ -75,7 +75,7 @@ def flanks_with_contacts_of_arcs(lead: float, arcs: str, near: bool) -> tuple[in
     tuple[int, ...]
         One flank of the inner and one of the outer ring (0 to 3 for SL, SR, NL, NR); empty for gothic arches.
     """
-    if lead != 0.0 or (arcs == "two" and not near):
+    if lead != 0.0 or (arcs == "two" and not contacts_merge):
         return ()
     return (1, 2) if arcs == "-z" else (0, 3)
 
@@ -135,7 +135,7 @@ def with_single_arc_grooves(scene: Scene) -> Scene:
 
 
 @result_record
-class Clearance:
+class InternalClearance:
     """Internal clearance of a bearing with single-arc grooves: total free travel of one ring against the other."""
 
     radial: float = quantity_field(
@@ -175,7 +175,7 @@ def distance_of_groove_centres(scene: Scene) -> float:
     return scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
 
 
-def free_contact_angle(centre_distance: float, radial: float | None, axial: float | None) -> float:
+def free_contact_angle(centre_distance: float, radial_clearance: float | None, axial_clearance: float | None) -> float:
     """Compute the contact angle alpha of an unloaded bearing with single-arc grooves from its internal clearance.
 
     The radial clearance is P_d = 2 A (1 - cos alpha), the axial one P_e = 2 A sin alpha.
@@ -185,9 +185,9 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
     centre_distance : float
         Distance A between the groove centres of both rings when a ball touches both [m], from
         `distance_of_groove_centres`.
-    radial : float | None
-        Radial internal clearance P_d [m]; used where ``axial`` is None.
-    axial : float | None
+    radial_clearance : float | None
+        Radial internal clearance P_d [m]; used where ``axial_clearance`` is None.
+    axial_clearance : float | None
         Axial internal clearance P_e [m]; None: the radial clearance is used.
 
     Returns
@@ -209,15 +209,16 @@ def free_contact_angle(centre_distance: float, radial: float | None, axial: floa
     >>> round(degrees(free_contact_angle(0.18e-3, 13e-6, None)), 2)
     15.44
     """
-    share = (radial if axial is None else axial or 0.0) or 0.0
+    share = (radial_clearance if axial_clearance is None else axial_clearance or 0.0) or 0.0
     if not share < 2.0 * centre_distance:
         raise ValueError(f"the clearance must be below {2e3 * centre_distance:.4g} mm, where the contact angle is 90 deg")
     return max(
-        acos(1.0 - share / (2.0 * centre_distance)) if axial is None else asin(share / (2.0 * centre_distance)), LEAST
+        acos(1.0 - share / (2.0 * centre_distance)) if axial_clearance is None else asin(share / (2.0 * centre_distance)),
+        LEAST,
     )
 
 
-def internal_clearance(scene: Scene) -> Clearance | None:
+def internal_clearance(scene: Scene) -> InternalClearance | None:
     """Compute the internal clearance of a bearing with single-arc grooves, including the oversize of its balls.
 
     Parameters
@@ -235,6 +236,6 @@ def internal_clearance(scene: Scene) -> Clearance | None:
     A = distance_of_groove_centres(scene)
     apart, touching = A * cos(scene.track.contact_angle), A - 2.0 * scene.errors.balls.oversize
     if touching <= apart:
-        return Clearance(0.0, 0.0, 0.0)
+        return InternalClearance(0.0, 0.0, 0.0)
     angle = acos(apart / touching)
-    return Clearance(2.0 * (touching - apart), 2.0 * touching * sin(angle), angle)
+    return InternalClearance(2.0 * (touching - apart), 2.0 * touching * sin(angle), angle)

@@ -662,9 +662,9 @@ class Scene:
 
     def to_toml(self) -> str:
         """Return the scene as the text of a TOML scene file, from which the same scene can be read."""
-        from rollbench.meshes.scene_text import scene_tables, toml_of_tables
+        from rollbench.meshes.scene_text import scene_file_tables, toml_of_tables
 
-        return toml_of_tables(scene_tables(self))
+        return toml_of_tables(scene_file_tables(self))
 
     @property
     def stations(self) -> list[float]:

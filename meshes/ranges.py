@@ -33,24 +33,24 @@ RATES = {
 
 
 @dataclass(frozen=True)
-class Quantity:
+class QuantityRange:
     """Physical dimension and allowed range of a quantity in scene files; used to annotate the type of a field."""
 
     #: Dimension, one of `meshes.units.DIMENSIONS`; for `Rate`, one of `RATES`.
     dimension: str
     #: Lower limit, as written in a scene file.
-    low: str | float
+    lower_limit: str | float
     #: Upper limit, as written in a scene file.
-    high: str | float
+    upper_limit: str | float
     #: Typical value; values are written in its unit.
     example: str | float
     #: Whether the lower limit is excluded.
-    above: bool = False
+    lower_limit_excluded: bool = False
     #: Whether the upper limit is excluded.
-    below: bool = False
+    upper_limit_excluded: bool = False
 
     @property
-    def allowed(self) -> str:
+    def allowed_range_text(self) -> str:
         """Allowed range as text, for error messages.
 
         Examples
@@ -58,10 +58,10 @@ class Quantity:
         >>> quantity_of_type(ContactAngle).allowed
         'above 0 deg, below 90 deg'
         """
-        if not (self.above or self.below):
-            return f"{self.low} to {self.high}"
-        low = f"{'above' if self.above else 'from'} {self.low}"
-        return f"{low}, {'below' if self.below else 'up to'} {self.high}"
+        if not (self.lower_limit_excluded or self.upper_limit_excluded):
+            return f"{self.lower_limit} to {self.upper_limit}"
+        low = f"{'above' if self.lower_limit_excluded else 'from'} {self.lower_limit}"
+        return f"{low}, {'below' if self.upper_limit_excluded else 'up to'} {self.upper_limit}"
 
     @property
     def unit(self) -> str:
@@ -91,29 +91,29 @@ class Quantity:
         >>> quantity_of_type(Size).si_value("32 mm")
         0.032
         """
-        number, low, high = (self._number(v) for v in (value, self.low, self.high))
-        too_low = number <= low if self.above else number < low
-        if not too_low and (number < high if self.below else number <= high):
+        number, low, high = (self._si_value_without_check(v) for v in (value, self.lower_limit, self.upper_limit))
+        too_low = number <= low if self.lower_limit_excluded else number < low
+        if not too_low and (number < high if self.upper_limit_excluded else number <= high):
             return number
         advice = f"the value is too {'small' if too_low else 'large'}; a typical value is {units.toml_text(self.example)}"
-        raise self._refused_value_error(self.allowed, advice)
+        raise self._refused_value_error(self.allowed_range_text, advice)
 
-    def _number(self, value: object) -> float:
+    def _si_value_without_check(self, value: object) -> float:
         """Convert a value to SI units without checking its range; raise pydantic's error for another dimension or unit."""
         try:
             return units.parse_quantity(value, self.dimension)
         except units.UnitError as error:
-            allowed = f"{units.dimension_description(self.dimension).split(',')[0]}, {self.allowed}"
+            allowed = f"{units.dimension_description(self.dimension).split(',')[0]}, {self.allowed_range_text}"
             raise self._refused_value_error(allowed, f"the value {error.reason}: {error.advice}") from None
 
-    def text_with_unit(self, value: float, added: float = 0.0) -> str | float:
+    def text_with_unit(self, value: float, added_offset: float = 0.0) -> str | float:
         """Return the shortest text, in the unit of the example, from which exactly the same value is read.
 
         Parameters
         ----------
         value : float
             Value in SI units.
-        added : float, default 0.0
+        added_offset : float, default 0.0
             Offset in SI units that is added to the value after reading. The text is the shortest one for which the sum is
             exact.
 
@@ -130,15 +130,16 @@ class Quantity:
         if self.dimension == "number":
             return value
         _, unit = units.split_quantity_text(str(self.example)) or ("", "")
-        number = value / self._number(f"1 {unit}")
+        number = value / self._si_value_without_check(f"1 {unit}")
         if unit.startswith("kN") and abs(number) < 1.0:
             unit, number = unit[1:], 1e3 * number
         for digits in range(1, 18):
             text = f"{Decimal(f'{number:.{digits}g}'):f} {unit}"
-            if added + self._number(text) == added + value:
+            if added_offset + self._si_value_without_check(text) == added_offset + value:
                 return text
-        text = f"{Decimal(repr(float(value))) / Decimal(repr(self._number(f'1 {unit}')))} {unit}"  # exact: decimal factor
-        return text if self._number(text) == value else f"{float(value)!r} {self.unit}"
+        si_value_of_unit = self._si_value_without_check(f"1 {unit}")  # exact: decimal factor
+        text = f"{Decimal(repr(float(value))) / Decimal(repr(si_value_of_unit))} {unit}"
+        return text if self._si_value_without_check(text) == value else f"{float(value)!r} {self.unit}"
 
     @staticmethod
     def _refused_value_error(allowed: str, advice: str) -> PydanticCustomError:
@@ -157,16 +158,16 @@ class Quantity:
         """Return the JSON schema of the quantity: a number, or text with a unit."""
         kind = "number" if self.dimension == "number" else "string"
         schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
-        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
+        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed_range_text}
         if kind == "number":
-            low = "exclusiveMinimum" if self.above else "minimum"
-            high = "exclusiveMaximum" if self.below else "maximum"
-            return schema | {low: self.low, high: self.high}
+            low = "exclusiveMinimum" if self.lower_limit_excluded else "minimum"
+            high = "exclusiveMaximum" if self.upper_limit_excluded else "maximum"
+            return schema | {low: self.lower_limit, high: self.upper_limit}
         return schema | {"x-unit": self.unit, "pattern": r"^\s*[+-]?[0-9.].*\S$"}
 
 
 @dataclass(frozen=True)
-class ShareOfRating:
+class ShareOfLoadRating:
     """Force that a scene file states as a fraction of the basic dynamic load rating C."""
 
     #: Ratio of the force to C.
@@ -174,39 +175,39 @@ class ShareOfRating:
 
 
 @dataclass(frozen=True)
-class ForceOrShare(Quantity):
+class ForceOrRatingShareRange(QuantityRange):
     """Allowed range of a force that may also be stated in per cent of the dynamic load rating C, as ``5 % of C``."""
 
     #: Largest allowed percentage of C.
-    most: float = 50.0
+    largest_percentage: float = 50.0
 
-    def si_value(self, value: object) -> float | ShareOfRating:  # type: ignore[override]
+    def si_value(self, value: object) -> float | ShareOfLoadRating:  # type: ignore[override]
         """Convert a force as written in a scene file to N, or to a fraction of the dynamic load rating C.
 
         Arguments and errors are those of `Quantity.si_value`.
 
         Examples
         --------
-        >>> ForceOrShare("force", "0 N", "1 MN", "5 kN").si_value("5 % of C")
-        ShareOfRating(share=0.05)
+        >>> ForceOrRatingShareRange("force", "0 N", "1 MN", "5 kN").si_value("5 % of C")
+        ShareOfLoadRating(share=0.05)
         """
         match = _OF_C.fullmatch(value) if isinstance(value, str) else None
         if match is None:
             return super().si_value(value)
         percent = float(match[1])
-        if not 0.0 < percent <= self.most:
+        if not 0.0 < percent <= self.largest_percentage:
             advice = "give a value that manufacturers use: 3 to 8 % of C, seldom more than 10 %"
-            raise self._refused_value_error(f"above 0, up to {self.most:g} % of C", advice)
-        return ShareOfRating(percent / 100.0)
+            raise self._refused_value_error(f"above 0, up to {self.largest_percentage:g} % of C", advice)
+        return ShareOfLoadRating(percent / 100.0)
 
     @property
-    def allowed(self) -> str:
+    def allowed_range_text(self) -> str:
         """Allowed range as text, for error messages."""
-        return f'{super().allowed}, or e.g. "5 % of C"'
+        return f'{super().allowed_range_text}, or e.g. "5 % of C"'
 
 
 @dataclass(frozen=True)
-class Rate(Quantity):
+class RateRange(QuantityRange):
     """Allowed range of a speed, angular speed, time, mass, inertia or lubricant property; units are those of `RATES`."""
 
     @property
@@ -214,7 +215,7 @@ class Rate(Quantity):
         """SI unit of the quantity."""
         return next(iter(RATES[self.dimension]))
 
-    def _number(self, value: object) -> float:
+    def _si_value_without_check(self, value: object) -> float:
         """Convert a value to SI units without checking the range; raise pydantic's error where its unit is not known."""
         rates = RATES[self.dimension]
         parts = units.split_quantity_text(value) if isinstance(value, str) else None
@@ -222,7 +223,7 @@ class Rate(Quantity):
         if parts is None or unit not in rates:
             advice = f"write a number and one of {', '.join(rates)}, e.g. {units.toml_text(self.example)}"
             article = "an" if self.dimension[0] == "a" else "a"
-            raise self._refused_value_error(f"{article} {self.dimension}, {self.allowed}", advice)
+            raise self._refused_value_error(f"{article} {self.dimension}, {self.allowed_range_text}", advice)
         return float(parts[0]) * rates[unit]
 
 
@@ -259,7 +260,7 @@ class ListLength:
         return core_schema.tuple_variable_schema(items, min_length=self.low or None, max_length=self.high, strict=False)
 
 
-def quantity_of_type(annotated_type: Any) -> Quantity:
+def quantity_of_type(annotated_type: Any) -> QuantityRange:
     """Return dimension and allowed range of an annotated type such as `Size`.
 
     Parameters
@@ -272,58 +273,60 @@ def quantity_of_type(annotated_type: Any) -> Quantity:
     Quantity
         Dimension and allowed range.
     """
-    found: Quantity = get_args(annotated_type)[1]
+    found: QuantityRange = get_args(annotated_type)[1]
     return found
 
 
 #: Largest number of balls of a scene.
 MAX_BALLS = 100_000
 
-Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
-Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
-Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
-Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
-Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
-Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
-Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
-Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
-Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
-Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
-ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
-Modulus = Annotated[float, Quantity("pressure", "1 MPa", "5000 GPa", "210 GPa")]
-Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
-Conformity = Annotated[float, Quantity("number", 0.5, 5, 0.52, above=True)]
-Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
-Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
-Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
-Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+Size = Annotated[float, QuantityRange("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, QuantityRange("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, QuantityRange("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, QuantityRange("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, QuantityRange("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, QuantityRange("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, QuantityRange("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, QuantityRange("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, QuantityRange("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, QuantityRange("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[
+    float, QuantityRange("angle", "0 deg", "90 deg", "45 deg", lower_limit_excluded=True, upper_limit_excluded=True)
+]
+Modulus = Annotated[float, QuantityRange("pressure", "1 MPa", "5000 GPa", "210 GPa")]
+Poisson = Annotated[float, QuantityRange("number", 0, 0.5, 0.28, upper_limit_excluded=True)]
+Conformity = Annotated[float, QuantityRange("number", 0.5, 5, 0.52, lower_limit_excluded=True)]
+Turns = Annotated[float, QuantityRange("number", 0, 10_000, 2, lower_limit_excluded=True)]
+Harmonic = Annotated[float, QuantityRange("number", 0, 10_000, 1)]
+Force = Annotated[float, QuantityRange("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, QuantityRange("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
 #: Components x, y, z of a force and of a moment.
 Forces = Annotated[tuple[Force, Force, Force], ListLength(3, 3)]
 Moments = Annotated[tuple[Moment, Moment, Moment], ListLength(3, 3)]
-Reliability = Annotated[float, Quantity("number", 90, 99.95, 95)]
-Contamination = Annotated[float, Quantity("number", 0, 1, 0.6)]
-ViscosityRatio = Annotated[float, Quantity("number", 0.1, 1000, 1.5)]
-SpeedLimit = Annotated[float, Quantity("number", 1000, 1_000_000, 76_200)]
-LoadStep = Annotated[float, Quantity("force", "0.001 N", "1000 MN", "600 N")]
-Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
-Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
-Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
-Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
-Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
-Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
-StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
-Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
-Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
-Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
-Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
-Viscosity = Annotated[float, Rate("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
-Density = Annotated[float, Rate("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
-PressureViscosity = Annotated[float, Rate("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
-TorqueFactor = Annotated[float, Quantity("number", 0, 100_000, 40, above=True)]
-Torque = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "100 N mm")]
-Mass = Annotated[float, Rate("mass", "0 kg", "1000000 t", "200 kg")]
-Inertia = Annotated[float, Rate("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
-Factor0 = Annotated[float, Quantity("number", 0, 100, 2, above=True)]
-Efficiency = Annotated[float, Quantity("number", 0.1, 1, 0.92)]
+Reliability = Annotated[float, QuantityRange("number", 90, 99.95, 95)]
+Contamination = Annotated[float, QuantityRange("number", 0, 1, 0.6)]
+ViscosityRatio = Annotated[float, QuantityRange("number", 0.1, 1000, 1.5)]
+SpeedLimit = Annotated[float, QuantityRange("number", 1000, 1_000_000, 76_200)]
+LoadStep = Annotated[float, QuantityRange("force", "0.001 N", "1000 MN", "600 N")]
+Element = Annotated[float, QuantityRange("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, QuantityRange("number", 0, 2, 0.1)]
+Clearance = Annotated[float, QuantityRange("length", "0 mm", "1 m", "50 um")]
+Filling = Annotated[float, QuantityRange("number", 0, 1, 0.8, lower_limit_excluded=True)]
+Travel = Annotated[float, QuantityRange("angle", "0.001 deg", "1000000 deg", "360 deg")]
+Duration = Annotated[float, RateRange("time", "0 s", "1000000 s", "1 s", lower_limit_excluded=True)]
+StepGoal = Annotated[float, QuantityRange("number", 0.0001, 0.1, 0.01)]
+Turning = Annotated[float, RateRange("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Percent = Annotated[float, QuantityRange("number", 0, 100, 7, lower_limit_excluded=True)]
+Spring = Annotated[float, QuantityRange("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
+Twist = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "5 kN m")]
+Viscosity = Annotated[float, RateRange("kinematic viscosity", "0.1 mm2/s", "100000 mm2/s", "27 mm2/s")]
+Density = Annotated[float, RateRange("density", "100 kg/m3", "30000 kg/m3", "900 kg/m3")]
+PressureViscosity = Annotated[float, RateRange("pressure coefficient", "1 1/GPa", "100 1/GPa", "20 1/GPa")]
+TorqueFactor = Annotated[float, QuantityRange("number", 0, 100_000, 40, lower_limit_excluded=True)]
+Torque = Annotated[float, QuantityRange("moment", "0 N m", "1000000 kN m", "100 N mm")]
+Mass = Annotated[float, RateRange("mass", "0 kg", "1000000 t", "200 kg")]
+Inertia = Annotated[float, RateRange("moment of inertia", "0 kg m2", "1000000 kg m2", "20 kg cm2")]
+Factor0 = Annotated[float, QuantityRange("number", 0, 100, 2, lower_limit_excluded=True)]
+Efficiency = Annotated[float, QuantityRange("number", 0.1, 1, 0.92)]
 #: Smallest and largest Young's modulus [Pa] of materials used for machine parts.
 SOLIDS = (1e9, 1e12)

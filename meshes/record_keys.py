@@ -49,7 +49,7 @@ def scene_key_metadata(description: str, example: object = None) -> dict[str, An
 
 
 def frozen_default(
-    default: Any, description: str = "", example: object = None, *, now: Any = _NONE, compare: bool = True
+    default: Any, description: str = "", example: object = None, *, present_default: Any = _NONE, compare: bool = True
 ) -> Any:
     """Return a dataclass field with a frozen default: a value equal to it does not change the keys of stored 3D runs.
 
@@ -61,7 +61,7 @@ def frozen_default(
         Frozen default, on the day on which the field was added.
     description, example : str and object, optional
         Description of the field as a key of scene files, and an example of its value, as for `scene_key_metadata`.
-    now : object, optional
+    present_default : object, optional
         Default that is used today, where it differs from the frozen one.
     compare : bool, default True
         Whether the field counts when records are compared and hashed.
@@ -72,7 +72,7 @@ def frozen_default(
         The field, for the body of a dataclass.
     """
     metadata = {"usual": default} | (scene_key_metadata(description, example) if description else {})
-    return field(default=default if now is _NONE else now, metadata=metadata, compare=compare)
+    return field(default=default if present_default is _NONE else present_default, metadata=metadata, compare=compare)
 
 
 def register_frozen_defaults(record: type[T]) -> type[T]:

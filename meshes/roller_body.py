@@ -33,15 +33,15 @@ class RollerContactZone:
     """Strip along the contact line in which roller and raceway may touch, and the sizes of the cells in it."""
 
     #: Half width of the strip [m].
-    width: float
+    half_width: float
     #: Number of cells across the half width.
-    cells: int
+    cells_across: int
     #: Increase of the cells' edge length per unit of distance from the strip.
-    grading: float
+    growth_per_distance: float
 
 
 @dataclass(frozen=True)
-class SectionMesh:
+class RollerSectionMesh:
     """Plane mesh of the cross-section of a roller or raceway: second-order quadrilaterals."""
 
     #: Coordinates y, z of the nodes ``(n, 2)`` [m].
@@ -51,23 +51,23 @@ class SectionMesh:
 
 
 @dataclass(frozen=True)
-class SweptBody(MeshedBody):
+class ExtrudedRollerBody(MeshedBody):
     """Mesh of half a raceway or of a quarter of a tapered roller, with the nodes in the zone of possible contact."""
 
     #: Mesh of hexahedra, an object of scikit-fem.
     mesh: object
     #: Nodes in the zone of possible contact ``(rows, columns)``: one row for each distance from the apex, with columns from
     #: the contact line outwards.
-    contact: Index
+    contact_nodes: Index
     #: Distance of each column of nodes from the contact line, where the roller has its mean diameter ``(columns,)`` [m].
-    across: Array
+    distances_from_contact_line: Array
     #: Distance of each row of nodes from the apex ``(rows,)`` [m].
-    along: Array
+    distances_from_apex: Array
     #: Unit normals into the body at the nodes in the zone of contact ``(rows, columns, 3)``.
-    inward: Array
+    inward_normals: Array
 
 
-def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: bool) -> SectionMesh:
+def mesh_section(zone: RollerContactZone, width: float, depth: float, *, is_roller: bool) -> RollerSectionMesh:
     """Mesh the cross-section of a raceway (half of a rectangle) or of a roller (a quarter of a disc) by gmsh.
 
     Parameters
@@ -76,7 +76,7 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
         Strip along the contact line in which roller and raceway may touch, and its cells.
     width, depth
         Half width and depth of the raceway's section [m]; for a roller both are its radius.
-    round
+    is_roller
         Whether the section is a quarter of a disc.
 
     Raises
@@ -84,15 +84,15 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
     ImportError
         gmsh, or a system library that it needs, is missing.
     """
-    cell, unit = zone.width / zone.cells, depth
-    w, d, wide = zone.width / unit, DEEP * cell / unit, width / unit
-    top = 1.0 - np.sqrt(1.0 - w**2) if round else 0.0
+    cell, unit = zone.half_width / zone.cells_across, depth
+    w, d, wide = zone.half_width / unit, DEEP * cell / unit, width / unit
+    top = 1.0 - np.sqrt(1.0 - w**2) if is_roller else 0.0
     with gmsh_session({"Mesh.SubdivisionAlgorithm": 1, "Mesh.Algorithm": 6}) as gmsh:
         gmsh.model.add("section")
         geo = gmsh.model.geo
-        places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if round else 0.0), (0.0, 1.0), (wide, 1.0))
+        places = ((0.0, 0.0), (w, top), (w, top + d), (0.0, d), (wide, 1.0 if is_roller else 0.0), (0.0, 1.0), (wide, 1.0))
         start, edge, low, under, far_edge, bottom, corner = (geo.addPoint(*at, 0.0) for at in places)
-        if round:  # arcs about the bottom point, the disc's centre
+        if is_roller:  # arcs about the bottom point, the disc's centre
             strip, beyond = (geo.addCircleArc(a, bottom, b) for a, b in ((start, edge), (edge, far_edge)))
             path = [far_edge, bottom, under]
         else:
@@ -102,7 +102,7 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
         rest = [beyond, *(geo.addLine(a, b) for a, b in pairwise(path))]
         block = geo.addPlaneSurface([geo.addCurveLoop(near)])
         far = geo.addPlaneSurface([geo.addCurveLoop([*rest, -near[2], -near[1]])])
-        for curve, count in zip(near, (zone.cells, DEEP, zone.cells, DEEP), strict=True):
+        for curve, count in zip(near, (zone.cells_across, DEEP, zone.cells_across, DEEP), strict=True):
             geo.mesh.setTransfiniteCurve(curve, count // 2 + 1)
         geo.mesh.setTransfiniteSurface(block, cornerTags=[start, edge, low, under])
         geo.synchronize()
@@ -110,7 +110,7 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
             gmsh.model.mesh.setRecombine(2, surface)
         size = gmsh.model.mesh.field.add("MathEval")
         away = f"Sqrt(Max(0,x-{w!r})^2+Max(0,y-{d!r})^2)"
-        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.grading!r}*{away})")
+        gmsh.model.mesh.field.setString(size, "F", f"2*({cell / unit!r}+{zone.growth_per_distance!r}*{away})")
         gmsh.model.mesh.field.setAsBackgroundMesh(size)
         for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
             gmsh.option.setNumber(f"Mesh.{name}", 0)
@@ -123,12 +123,12 @@ def mesh_section(zone: RollerContactZone, width: float, depth: float, *, round: 
     cells = np.searchsorted(tags[ascending], nodes).reshape(-1, 9)
     used, cells = np.unique(cells, return_inverse=True)
     points = unit * xyz.reshape(-1, 3)[ascending][used, :2]
-    on = np.flatnonzero(np.abs(_depth_below_surface(points, depth, round)) < 1e-6 * depth)
-    strip_nodes = on[points[on, 0] < zone.width + 0.25 * cell]  # equal steps of y, the same on roller and raceway
+    on = np.flatnonzero(np.abs(_depth_below_surface(points, depth, is_roller)) < 1e-6 * depth)
+    strip_nodes = on[points[on, 0] < zone.half_width + 0.25 * cell]  # equal steps of y, the same on roller and raceway
     y = np.rint(points[strip_nodes, 0] / cell * 2.0) * cell / 2.0
     points[strip_nodes, 0] = y
-    points[strip_nodes, 1] = depth - np.sqrt(depth**2 - y**2) if round else 0.0
-    return SectionMesh(points, cells.reshape(-1, 9))
+    points[strip_nodes, 1] = depth - np.sqrt(depth**2 - y**2) if is_roller else 0.0
+    return RollerSectionMesh(points, cells.reshape(-1, 9))
 
 
 def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
@@ -140,7 +140,7 @@ def _depth_below_surface(points: Array, depth: float, round: bool) -> Array:
     return depth - np.hypot(points[:, 0], depth - points[:, 1]) if round else points[:, 1]
 
 
-def _sweep_section_to_hexahedra(section: SectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
+def _sweep_section_to_hexahedra(section: RollerSectionMesh, layer_distances: Array) -> tuple[Index, Array, Index]:
     """Extrude a plane mesh along rays from the apex to layers of hexahedra between given distances from the apex [m].
 
     Returns three arrays: for each node of the hexahedra its node of the section, and its distance from the apex [m]; then
@@ -185,16 +185,16 @@ def _corners_of_boundary_faces(cells: Index, boundary_nodes: Array) -> Index:
     return np.asarray(faces[boundary_nodes[faces].all(axis=1)])
 
 
-def build_swept_body(
-    section: SectionMesh,
+def build_extruded_roller_body(
+    section: RollerSectionMesh,
     zone: RollerContactZone,
     layer_distances: Array,
     zone_ends: tuple[float, float],
     point_map: Callable[[Array, Array], Array],
     *,
-    round: bool = False,
+    is_roller: bool = False,
     mirrored: bool = False,
-) -> SweptBody:
+) -> ExtrudedRollerBody:
     """Mesh a tapered roller or a raceway: its plane section mesh is extruded along rays from the cones' apex.
 
     Parameters
@@ -210,23 +210,23 @@ def build_swept_body(
     point_map
         Function that maps nodes ``(n, 2)`` of the section, and their distances ``(n,)`` from the apex, to points ``(n, 3)``
         of the body [m]: `roller_point_map` or `raceway_point_map`.
-    round
+    is_roller
         Whether the section is a quarter of a disc (roller).
     mirrored
         Whether ``point_map`` reverses the orientation, as for a cup.
     """
-    turned = SectionMesh(section.points, section.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else section
+    turned = RollerSectionMesh(section.points, section.cells[:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]) if mirrored else section
     node, along, cells = _sweep_section_to_hexahedra(turned, layer_distances)
     points, at = point_map(section.points[node], along), section.points[node]
     depth, tiny = section.points[:, 1].max(), 1e-9 * section.points[:, 1].max()
-    on_top = np.abs(_depth_below_surface(at, depth, round)) < tiny
-    strip = on_top & (at[:, 0] <= zone.width + tiny) & (along >= zone_ends[0] - tiny) & (along <= zone_ends[1] + tiny)
-    sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if round else at[:, 0] > at[:, 0].max() - tiny}
+    on_top = np.abs(_depth_below_surface(at, depth, is_roller)) < tiny
+    strip = on_top & (at[:, 0] <= zone.half_width + tiny) & (along >= zone_ends[0] - tiny) & (along <= zone_ends[1] + tiny)
+    sides = {"y = 0": at[:, 0] < tiny, "side": at[:, 1] > depth - tiny if is_roller else at[:, 0] > at[:, 0].max() - tiny}
     faces = {
         "contact": _corners_of_boundary_faces(cells, strip),
         **{k: _corners_of_boundary_faces(cells, v) for k, v in sides.items()},
     }
-    if round:
+    if is_roller:
         faces["end"] = _corners_of_boundary_faces(cells, along > along.max() - tiny)
     else:
         faces["base"] = _corners_of_boundary_faces(cells, at[:, 1] > depth - tiny)
@@ -236,10 +236,10 @@ def build_swept_body(
     rows = np.unique(along[held])
     grid = held.reshape(len(rows), -1)
     near = 1e-6 * depth  # a little deeper
-    shifted = at[held] + near * _inward_direction(at[held], depth, round)
+    shifted = at[held] + near * _inward_direction(at[held], depth, is_roller)
     inward = point_map(shifted, along[held]) - points[held]
     inward /= np.linalg.norm(inward, axis=1)[:, None]
-    return SweptBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
+    return ExtrudedRollerBody(mesh, number[grid], at[grid[0], 0], rows, inward.reshape(*grid.shape, 3))
 
 
 def _inward_direction(at: Array, depth: float, round: bool) -> Array:
@@ -253,7 +253,7 @@ def _inward_direction(at: Array, depth: float, round: bool) -> Array:
 
 
 def roller_point_map(
-    radius: float, angle: float, profile_drop: Callable[[Array], Array]
+    radius: float, roller_half_angle: float, profile_drop: Callable[[Array], Array]
 ) -> Callable[[Array, Array], Array]:
     """Return the function that maps points of the section, at distances from the apex, to points of a tapered roller.
 
@@ -261,14 +261,14 @@ def roller_point_map(
     ----------
     radius
         Mean radius of the roller [m].
-    angle
+    roller_half_angle
         Half included angle of the roller [rad].
     profile_drop
         Function that returns the profile drop, the decrease of the radius by crowning [m], at distances from the apex [m].
     """
 
     def place(at: Array, along: Array) -> Array:
-        ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(angle))])
+        ray = np.column_stack([radius - at[:, 1], at[:, 0], np.full(len(at), radius / np.tan(roller_half_angle))])
         out = along[:, None] * ray / np.linalg.norm(ray, axis=1)[:, None]
         out[:, :2] *= 1.0 - (profile_drop(along) / radius)[:, None]
         return np.asarray(out)
@@ -276,23 +276,25 @@ def roller_point_map(
     return place
 
 
-def raceway_point_map(middle: float, angle: float, outward: float) -> Callable[[Array, Array], Array]:
+def raceway_point_map(
+    true_size_distance: float, cone_half_angle: float, outward_sign: float
+) -> Callable[[Array, Array], Array]:
     """Return the function that maps points of the section, at distances from the apex, to points of a raceway's ring.
 
     Parameters
     ----------
-    middle
+    true_size_distance
         Distance from the apex at which the section has its true size [m].
-    angle
+    cone_half_angle
         Half included angle of the raceway's cone [rad].
-    outward
+    outward_sign
         1 for the cup, whose body is outside its raceway; -1 for the cone (inner ring).
     """
 
     def place(at: Array, along: Array) -> Array:
-        phi = np.arcsin(at[:, 0] / (middle * np.sin(angle)))
-        radial = along * np.sin(angle) + outward * at[:, 1] * np.cos(angle)
-        axial = along * np.cos(angle) - outward * at[:, 1] * np.sin(angle)
+        phi = np.arcsin(at[:, 0] / (true_size_distance * np.sin(cone_half_angle)))
+        radial = along * np.sin(cone_half_angle) + outward_sign * at[:, 1] * np.cos(cone_half_angle)
+        axial = along * np.cos(cone_half_angle) - outward_sign * at[:, 1] * np.sin(cone_half_angle)
         return np.column_stack([radial * np.cos(phi), radial * np.sin(phi), axial])
 
     return place

@@ -23,7 +23,7 @@ from rollbench.meshes.ranges import (
     Deviation,
     Duration,
     Force,
-    Quantity,
+    QuantityRange,
     Shift,
     Size,
     Spring,
@@ -65,7 +65,7 @@ def toml_of_tables(tables: Mapping[str, Any]) -> str:
     return "\n".join(_table_lines(tables, "")).strip() + "\n"
 
 
-def scene_tables(scene: Scene) -> Table:
+def scene_file_tables(scene: Scene) -> Table:
     """Return the keys and tables of the scene file that describes a screw or bearing.
 
     Parameters
@@ -80,11 +80,11 @@ def scene_tables(scene: Scene) -> Table:
     """
     offset = scene.errors.lead_offset
     return without_empty_values(
-        **_head_table(scene, scene.screw.material),
+        **_title_and_material_keys(scene, scene.screw.material),
         role=scene.role,
         members=scene.members if scene.members > 1 else None,
         track=_track_table(scene),
-        screw=_body_table(scene, scene.screw, scene.screw.material),
+        screw=_screw_or_nut_table(scene, scene.screw, scene.screw.material),
         nut=_nut_table(scene, scene.screw.material),
         balls=_balls_table(scene, scene.screw.material),
         errors=_errors_table(scene.errors),
@@ -104,7 +104,7 @@ def scene_tables(scene: Scene) -> Table:
     )
 
 
-def axis_tables(axis: Assembly) -> Table:
+def scene_file_tables_of_shaft(axis: Assembly) -> Table:
     """Return the keys and tables of the scene file that describes a shaft with its bearings and ball nuts.
 
     Parameters
@@ -133,7 +133,7 @@ def axis_tables(axis: Assembly) -> Table:
         for j in axis.joints
     ]
     return without_empty_values(
-        **_head_table(axis, shared, kind="axis"),
+        **_title_and_material_keys(axis, shared, kind="axis"),
         screw=shaft | without_empty_values(plain=[*map(keys_of_record, axis.segments)]),
         sets=[_rolling_set_table(axis, one, shared) for one in axis.sets],
         housings=[
@@ -160,21 +160,25 @@ def axis_tables(axis: Assembly) -> Table:
 
 
 def load_case_table(
-    share: float, time: float | None, speed: float | None, parts: Scene | Assembly, case: Scene | Assembly
+    revolution_share: float,
+    time: float | None,
+    speed: float | None,
+    scene_without_cases: Scene | Assembly,
+    scene_of_case: Scene | Assembly,
 ) -> Table:
     """Return the keys of one load case of a scene file: only those that differ from the scene without load cases.
 
     Parameters
     ----------
-    share : float
+    revolution_share : float
         Fraction of all revolutions in this load case; used where ``time`` is None.
     time : float | None
-        Duration of the load case [s]; None: ``share`` is written instead.
+        Duration of the load case [s]; None: ``revolution_share`` is written instead.
     speed : float | None
         Angular speed [rad/s]; None: no speed is written.
-    parts : Scene | Assembly
+    scene_without_cases : Scene | Assembly
         The scene without load cases.
-    case : Scene | Assembly
+    scene_of_case : Scene | Assembly
         The scene under this load case.
 
     Returns
@@ -182,14 +186,18 @@ def load_case_table(
     Table
         Keys and values of the load case's table in the scene file.
     """
-    supports = [_displaced_support_table(*pair) for pair in zip(parts.supports, case.supports, strict=True)]
-    table: Table = {"share": share} if time is None else {"time": value_with_unit_text(Duration, time)}
+    supports = [
+        _displaced_support_table(*pair) for pair in zip(scene_without_cases.supports, scene_of_case.supports, strict=True)
+    ]
+    table: Table = {"share": revolution_share} if time is None else {"time": value_with_unit_text(Duration, time)}
     table |= {} if speed is None else {"speed": value_with_unit_text(Turning, speed)}
-    table |= {} if case.loads == parts.loads else {"loads": [*map(keys_of_record, case.loads)]}
-    before, after = _ball_oversizes(parts), _ball_oversizes(case)
+    table |= (
+        {} if scene_of_case.loads == scene_without_cases.loads else {"loads": [*map(keys_of_record, scene_of_case.loads)]}
+    )
+    before, after = _ball_oversizes(scene_without_cases), _ball_oversizes(scene_of_case)
     table |= {} if before == after else {"oversize": value_with_unit_text(Deviation, after[0])}
-    if isinstance(parts, Assembly) and isinstance(case, Assembly):
-        each = zip(parts.housings, case.housings, strict=True)
+    if isinstance(scene_without_cases, Assembly) and isinstance(scene_of_case, Assembly):
+        each = zip(scene_without_cases.housings, scene_of_case.housings, strict=True)
         table |= without_empty_values(
             housings=[{"name": b.name} | _force_and_moment(b.force, b.moment) for a, b in each if a != b]
         )
@@ -216,7 +224,7 @@ def _displaced_support_table(before: Support, after: Support) -> Table:
 # --- tables
 
 
-def _head_table(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
+def _title_and_material_keys(scene: Scene | Assembly, material: Material, kind: str = "") -> Table:
     """Return the first keys of a scene file: title, source, assumptions, kind of scene, and material of the parts.
 
     ``material``: material of all parts that have no key for their material; ``kind``: value of the key ``kind``, or empty
@@ -287,7 +295,7 @@ def groove_table(radius: float, ball: float) -> Table:
     return {"groove_radius": text}
 
 
-def _body_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
+def _screw_or_nut_table(scene: Scene, part: Screw | Nut, shared: Material) -> Table:
     """Return the keys of the screw or nut ``part`` in a scene file: dimensions, groove and material.
 
     ``scene``: scene with the ball radius; ``shared``: material at the head of the scene file, for which a part gets no key.
@@ -309,7 +317,7 @@ def _nut_table(scene: Scene, shared: Material) -> Table:
             held |= {} if radius == whole else {name: value_with_unit_text(Size, 2.0 * radius)}
         held |= ({"centring": "bonded"} if flange.bonded else {}) | ({"bolts": flange.bolts} if flange.bolts else {})
     own = {} if flange is None else {"flange": keys_of_record(flange, "seat", "bonded", "bolts")}
-    return _body_table(scene, nut, shared) | own | without_empty_values(held=held)
+    return _screw_or_nut_table(scene, nut, shared) | own | without_empty_values(held=held)
 
 
 def _balls_table(scene: Scene, shared: Material) -> Table:
@@ -459,15 +467,15 @@ def value_with_unit_text(annotated_type: Any, value: float) -> str | float:
 
 
 @cache
-def _quantities_of_fields(record: type) -> dict[str, Quantity]:
+def _quantities_of_fields(record: type) -> dict[str, QuantityRange]:
     """Return the quantity (unit and range) of each field of the class ``record`` that has one, by the field's name."""
     hints = get_type_hints(record, include_extras=True)
     return {name: found[0] for name, hint in hints.items() if (found := [*_quantities_in_type(hint)])}
 
 
-def _quantities_in_type(hint: Any) -> Iterator[Quantity]:
+def _quantities_in_type(hint: Any) -> Iterator[QuantityRange]:
     """Yield the quantities with which an annotated type is annotated, also inside tuples and unions."""
-    if isinstance(hint, Quantity):
+    if isinstance(hint, QuantityRange):
         yield hint
     for part in (*get_args(hint), *getattr(hint, "__metadata__", ())):
         yield from _quantities_in_type(part)
@@ -498,7 +506,7 @@ def keys_of_record(record: Any, *left_out: str) -> Table:
     return out
 
 
-def _value_with_unit(value: Any, quantity: Quantity | None) -> Any:
+def _value_with_unit(value: Any, quantity: QuantityRange | None) -> Any:
     """Return the value of a record's field with its unit as in a scene file; a tuple becomes a list of such values.
 
     ``quantity``: quantity of the field, which defines the unit; None for a field without unit.

@@ -16,18 +16,18 @@ from rollbench.meshes.parts import Material, Scene
 
 
 @dataclass(frozen=True)
-class GrooveSection:
+class ScrewGrooveSection:
     """Section angles and area of the screw's gothic-arch groove below the screw's outer surface (Lin 2019, Figure C.1)."""
 
     #: Section angle of the apex, where both arcs meet [rad].
-    gamma_1: float
+    apex_angle: float
     #: Section angle at which the arc meets the screw's outer surface [rad].
-    gamma_2: float
+    edge_angle: float
     #: Area of the groove's cross-section below the outer surface [m2].
     area: float
 
 
-def groove_section(scene: Scene) -> GrooveSection:
+def screw_groove_section(scene: Scene) -> ScrewGrooveSection:
     """Compute the section angles at which the screw's groove begins and ends, and the area of its cross-section.
 
     Valid while the screw's outer surface intersects both arcs: abs(D_2) < r_G, with the radial distance D_2 from
@@ -40,7 +40,7 @@ def groove_section(scene: Scene) -> GrooveSection:
 
     Returns
     -------
-    GrooveSection
+    ScrewGrooveSection
         Range of the section angle [rad] and area of the groove [m2].
 
     Raises
@@ -55,8 +55,8 @@ def groove_section(scene: Scene) -> GrooveSection:
     Examples
     --------
     >>> import rollbench
-    >>> groove = groove_section(rollbench.read("lin-case1"))
-    >>> [round(x / pi, 3) for x in (groove.gamma_1, groove.gamma_2)]  # printed: [0.033, 0.417] pi
+    >>> groove = screw_groove_section(rollbench.read("lin-case1"))
+    >>> [round(x / pi, 3) for x in (groove.apex_angle, groove.edge_angle)]  # printed: [0.033, 0.417] pi
     [0.033, 0.417]
     >>> round(1e6 * groove.area, 4)  # mm2
     9.6251
@@ -71,10 +71,10 @@ def groove_section(scene: Scene) -> GrooveSection:
     g1, g2 = asin(d1 / r), pi / 2.0 - asin(d2 / r)  # (C.5)
     # (C.4): twice the sector of one arc less two triangles
     area = 2.0 * (0.5 * r * r * (g2 - g1) - 0.5 * (r * sin(g2) - d1) * d2 - 0.5 * (r * cos(g1) - d2) * d1)
-    return GrooveSection(g1, g2, area)
+    return ScrewGrooveSection(g1, g2, area)
 
 
-def axial_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
+def section_angle_range_of_nut_groove(scene: Scene) -> tuple[float, float]:
     """Return the section angles between which a flank of the nut's groove extends: from the apex to pi/2.
 
     No publication gives the diameter of the nut's lands; so pi/2 is taken instead of the angle at which the flank ends.
@@ -101,7 +101,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
     Parameters
     ----------
     scene : Scene
-        Scene with the quantities of `groove_section`, lead and number of starts.
+        Scene with the quantities of `screw_groove_section`, lead and number of starts.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def grooved_volume_ratio(scene: Scene) -> float:
     track = scene.track
     if track.lead == 0.0:
         return 1.0
-    cut = groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)  # (C.6)
+    cut = screw_groove_section(scene).area * track.starts * hypot(2.0 * pi * track.pitch_radius, track.lead)  # (C.6)
     full = pi * (scene.screw.outer_diameter / 2.0) ** 2 * track.lead  # (C.7)
     return 1.0 - cut / full  # k_r^2 of (C.8)
 
@@ -174,13 +174,13 @@ def shear_coefficient(diameter_ratio: float, poisson: float) -> float:
     return 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2 / denominator
 
 
-def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
+def tube_section(outer_diameter: float, bore_diameter: float, material: Material) -> BeamSection:
     """Return the beam stiffnesses of a solid or hollow circular cross-section.
 
     Parameters
     ----------
-    outer, bore : float
-        Outer and inner diameter [m]; ``bore`` 0 for a solid section.
+    outer_diameter, bore_diameter : float
+        Outer and inner diameter [m]; ``bore_diameter`` 0 for a solid section.
     material : Material
         Material with the moduli E and G.
 
@@ -199,9 +199,9 @@ def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
     >>> round(shaft.EA / 1e6, 2), round(shaft.EI)  # MN, N m2
     (168.89, 10809)
     """
-    area = pi / 4.0 * (outer**2 - bore**2)
-    inertia = pi / 64.0 * (outer**4 - bore**4)
-    kappa = shear_coefficient(bore / outer, material.poissons_ratio)
+    area = pi / 4.0 * (outer_diameter**2 - bore_diameter**2)
+    inertia = pi / 64.0 * (outer_diameter**4 - bore_diameter**4)
+    kappa = shear_coefficient(bore_diameter / outer_diameter, material.poissons_ratio)
     e, g = material.youngs_modulus, material.shear_modulus
     return BeamSection(e * area, e * inertia, 2.0 * g * inertia, kappa * g * area)
 
@@ -291,14 +291,14 @@ def support_and_load_positions(scene: Scene) -> Array:
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
-def merge_close_positions(stations: Array, preferred: Array) -> Array:
+def merge_close_positions(positions: Array, preferred_positions: Array) -> Array:
     """Sort axial positions, and keep only one of several that are closer together than `MERGE`.
 
     Parameters
     ----------
-    stations : (n,) Array
+    positions : (n,) Array
         Axial positions [m], in any order.
-    preferred : Array
+    preferred_positions : Array
         Axial positions [m] that are kept rather than others close to them.
 
     Returns
@@ -306,10 +306,10 @@ def merge_close_positions(stations: Array, preferred: Array) -> Array:
     (m,) Array
         Ascending axial positions [m].
     """
-    ordered = np.sort(stations)
+    ordered = np.sort(positions)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
         return ordered
-    named = frozenset(preferred.tolist())
+    named = frozenset(preferred_positions.tolist())
     first, *others = ordered.tolist()
     keep, firm = [first], first in named
     for z in others:
@@ -408,14 +408,14 @@ def beam_nodes(scene: Scene, contact_positions: Array, *, whole_screw: bool = Fa
     return (nodes, 0) if whole_screw else enclosing_nodes(nodes, needed)
 
 
-def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
+def enclosing_nodes(nodes: Array, enclosed_positions: Array) -> tuple[Array, int]:
     """Return the part of a beam's nodes that encloses given axial positions; at least two nodes.
 
     Parameters
     ----------
     nodes : (n,) Array
         Ascending axial positions of the nodes [m].
-    enclosed : Array
+    enclosed_positions : Array
         Axial positions [m] that the selected nodes enclose.
 
     Returns
@@ -430,8 +430,8 @@ def enclosing_nodes(nodes: Array, enclosed: Array) -> tuple[Array, int]:
     >>> enclosing_nodes(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.2, 1.9]))
     (array([1., 2.]), 2)
     """
-    first = int(np.searchsorted(nodes, enclosed.min() + MERGE, side="right")) - 1
-    last = int(np.searchsorted(nodes, enclosed.max() - MERGE, side="left"))
+    first = int(np.searchsorted(nodes, enclosed_positions.min() + MERGE, side="right")) - 1
+    last = int(np.searchsorted(nodes, enclosed_positions.max() - MERGE, side="left"))
     first, last = max(first, 0), min(last, nodes.size - 1)
     if last == first:
         last, first = min(first + 1, nodes.size - 1), max(0, min(first, nodes.size - 2))

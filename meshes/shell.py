@@ -24,7 +24,7 @@ from skfem import Mesh, MeshTet1
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import to_second_order, with_boundaries_from_corners, with_node_coordinates
-from rollbench.meshes.sockets import SocketMesh
+from rollbench.meshes.sockets import RefinementBoxFaces
 
 #: Signals whose handlers gmsh replaces by the default ones of the operating system.
 RESET = ("SIGHUP", "SIGQUIT", "SIGPIPE", "SIGTERM")
@@ -147,18 +147,18 @@ class DividedCurve:
     #: Numbers of the n + 1 nodes along the curve, in order; the first and last are the same for a closed curve.
     nodes: Index
     #: Values of the curve's parameter at these nodes ``(n + 1,)``.
-    t: Array
+    parameters: Array
 
-    def on(self, plane: Placing) -> Side:
+    def as_side_of_face(self, plane: Placing) -> Side:
         """Return the curve as one side of a face: its nodes in order, and their plane coordinates on the face.
 
         ``plane``: function that maps values of the curve's parameter ``(n + 1,)`` to plane coordinates ``(n + 1, 2)``.
         """
-        return self.nodes, plane(self.t)
+        return self.nodes, plane(self.parameters)
 
-    def back(self, plane: Placing) -> Side:
+    def as_reversed_side_of_face(self, plane: Placing) -> Side:
         """Return the curve as one side of a face, with its nodes in reverse order; argument and result as for `on`."""
-        return self.nodes[::-1], plane(self.t[::-1])
+        return self.nodes[::-1], plane(self.parameters[::-1])
 
 
 @dataclass
@@ -166,26 +166,28 @@ class TriangulatedFace:
     """One smooth face of a body's surface, divided into triangles with n nodes."""
 
     #: Name of the boundary of the mesh to which the face belongs, such as a flank.
-    name: str
+    boundary_name: str
     #: Numbers of its nodes in the `Shell` ``(n,)``.
-    number: Index
+    node_numbers: Index
     #: Plane coordinates of its nodes ``(n, 2)``; a node on the seam of a face that closes around the axis occurs twice.
-    plane: Array
+    plane_coordinates: Array
     #: Triangles ``(t, 3)``, as indices into `number`.
-    local: Index
+    local_triangles: Index
     #: Function that maps plane coordinates ``(k, 2)`` to points in space ``(k, 3)`` [m]; None for the faces of a refinement
     #: box around a contact, whose triangles and nodes must not be changed.
-    space: Placing | None
+    point_map: Placing | None
 
     @property
-    def tris(self) -> Index:
+    def triangles(self) -> Index:
         """Corner nodes of the face's triangles ``(t, 3)``, by their numbers in the `Shell`."""
-        return self.number[self.local]
+        return self.node_numbers[self.local_triangles]
 
     @property
-    def pairs(self) -> Index:
+    def local_edges(self) -> Index:
         """Edges of the face's triangles ``(3 t, 2)``, as indices into `number`, the nodes of the face."""
-        return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
+        return np.concatenate(
+            [self.local_triangles[:, [0, 1]], self.local_triangles[:, [1, 2]], self.local_triangles[:, [2, 0]]]
+        )
 
     def flip_common_edge(self, first: int, second: int) -> bool:
         """Replace the common edge of two triangles by the other diagonal of their quadrilateral, if both stay well shaped.
@@ -200,18 +202,18 @@ class TriangulatedFace:
         bool
             True if the edge was replaced; False if nothing was changed.
         """
-        one, two = ([int(k) for k in self.local[t]] for t in (first, second))
+        one, two = ([int(k) for k in self.local_triangles[t]] for t in (first, second))
         start = next((k for k in range(3) if one[k] in two and one[(k + 1) % 3] in two), None)
         if start is None:
             return False
         a, b, c = one[start], one[(start + 1) % 3], one[(start + 2) % 3]
         d = next(k for k in two if k not in (a, b))
         new = np.array([[c, a, d], [d, b, c]])
-        if sine_of_smallest_angle(self.plane[new]).min() < min(
-            SLENDER, 0.5 * float(sine_of_smallest_angle(self.plane[[one, two]]).min())
+        if sine_of_smallest_angle(self.plane_coordinates[new]).min() < min(
+            SLENDER, 0.5 * float(sine_of_smallest_angle(self.plane_coordinates[[one, two]]).min())
         ):
             return False
-        self.local[[first, second]] = new
+        self.local_triangles[[first, second]] = new
         return True
 
 
@@ -238,7 +240,7 @@ def sine_of_smallest_angle(corners: Array) -> Array:
     return np.asarray((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / (long[1] * long[2]))
 
 
-class Shell:
+class ClosedSurfaceMesh:
     """Closed triangulated surface of a body while the body's mesh is built: nodes, divided curves and faces.
 
     It also stores the exact midpoints of edges, which become the midside nodes of second-order tetrahedra.
@@ -264,13 +266,13 @@ class Shell:
         self.middles: list[tuple[Index, Array]] = []
         self.raised: list[tuple[Index, Array]] = []
 
-    def nodes(self, points: Array) -> Index:
+    def add_nodes(self, points: Array) -> Index:
         """Add nodes at the points ``points`` ``(n, 3)`` [m] to the surface, and return their numbers ``(n,)``."""
         first = len(self.points)
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
-    def curve(
+    def add_divided_curve(
         self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
     ) -> DividedCurve:
         """Divide a curve into edges of the wanted length, and add its nodes to this surface.
@@ -299,12 +301,12 @@ class Shell:
         total = np.concatenate([[0.0], np.cumsum(steps)])
         count = max(int(np.ceil(total[-1])), 5 if ends is None else 1)
         t = np.interp(np.linspace(0.0, total[-1], count + 1), total, t)
-        inner = self.nodes(space(t[:-1] if ends is None else t[1:-1]))
+        inner = self.add_nodes(space(t[:-1] if ends is None else t[1:-1]))
         number = np.append(inner, inner[0]) if ends is None else np.array([ends[0], *inner, ends[1]])
         self.middles.append((np.stack([number[:-1], number[1:]], 1), space(0.5 * (t[1:] + t[:-1]))))
         return DividedCurve(number, t)
 
-    def face(
+    def add_face(
         self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
     ) -> None:
         """Triangulate a face in its plane coordinates, and add it to this surface.
@@ -334,18 +336,18 @@ class Shell:
 
         sizes = gmsh_size_callback(edge_lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate_plane_region(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
-        number = np.concatenate([boundary, self.nodes(space(inner))])
+        number = np.concatenate([boundary, self.add_nodes(space(inner))])
         plane = np.concatenate([plane, inner])
         self.faces.append(TriangulatedFace(name, number, plane, tris, space))
 
-    def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
+    def add_refinement_box(self, name: str, mesh: RefinementBoxFaces, points: Array, raised: Array) -> Index:
         """Add the faces of a refinement box, which is left free around a contact for a finer mesh, to this surface.
 
         Parameters
         ----------
         name : str
             Name of the boundary of the mesh to which the faces belong.
-        mesh : SocketMesh
+        mesh : RefinementBoxFaces
             Mesh of the refinement box's faces, with k nodes, of which the first c are corner nodes.
         points : (k, 3) Array
             Coordinates of these nodes [m].
@@ -357,19 +359,19 @@ class Shell:
         (c,) Index
             Numbers of the corner nodes in this surface.
         """
-        count = len(mesh.xi) - len(mesh.edges)
-        number = self.nodes(points[:count])
-        pairs = np.array(list(mesh.edges), dtype=np.int64)
-        self.middles.append((number[pairs], points[list(mesh.edges.values())]))
+        count = len(mesh.xi) - len(mesh.midside_node_of_edge)
+        number = self.add_nodes(points[:count])
+        pairs = np.array(list(mesh.midside_node_of_edge), dtype=np.int64)
+        self.middles.append((number[pairs], points[list(mesh.midside_node_of_edge.values())]))
         self.raised.append((number, raised))
         self.faces.append(TriangulatedFace(name, number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
         return number
 
-    def tris(self, name: str = "") -> Index:
+    def triangles_on_boundary(self, name: str = "") -> Index:
         """Return the corner nodes of all triangles on the boundary ``name``, or on all faces if it is empty ``(t, 3)``."""
-        return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
+        return np.concatenate([f.triangles for f in self.faces if name in ("", f.boundary_name)])
 
-    def exact(self) -> tuple[Index, Array]:
+    def exact_edge_midpoints(self) -> tuple[Index, Array]:
         """Return the midpoint of each edge on the exact curve or face, where the midside node of the edge is placed.
 
         Edges of curves and refinement boxes come first, then those of faces. An edge that lies on a curve or in two
@@ -382,12 +384,18 @@ class Shell:
         points : (k, 3) Array
             Midpoint of each edge [m].
         """
-        of_faces = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
+        of_faces = [
+            (f.node_numbers[f.local_edges], f.point_map(f.plane_coordinates[f.local_edges].mean(axis=1)))
+            for f in self.faces
+            if f.point_map is not None
+        ]
         edges, points = zip(*self.middles, *of_faces, strict=True)
         return np.concatenate(edges), np.concatenate(points)
 
 
-def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[int, int, int]) -> Callable[..., float]:
+def gmsh_size_callback(
+    length_function: Placing, cube_edge: float, cubes_per_block: tuple[int, int, int]
+) -> Callable[..., float]:
     """Make the function that gmsh calls for the element size at a point; it computes sizes for many points at once.
 
     The sizes are stored for later calls.
@@ -398,7 +406,7 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
         Function that returns the wanted edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m].
     cube_edge : float
         Edge of the cubes in which the edge length counts as constant [m].
-    block : tuple[int, int, int]
+    cubes_per_block : tuple[int, int, int]
         Number of cubes along x, y and z that are evaluated at once.
 
     Returns
@@ -407,22 +415,22 @@ def gmsh_size_callback(length_function: Placing, cube_edge: float, block: tuple[
         Function to pass to gmsh's ``setSizeCallback``.
     """
     known = dict[tuple[int, int, int], list[float]]()
-    inverse, (a, b, c) = 1.0 / (MM * cube_edge), block
-    cubes = np.array(list(product(*map(range, block))))
+    inverse, (a, b, c) = 1.0 / (MM * cube_edge), cubes_per_block
+    cubes = np.array(list(product(*map(range, cubes_per_block))))
 
     def size_at(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
         i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
         key = (i // a, j // b, k // c)
         sizes = known.get(key)
         if sizes is None:
-            sizes = known[key] = (MM * length_function(cube_edge * (np.multiply(key, block) + cubes))).tolist()
+            sizes = known[key] = (MM * length_function(cube_edge * (np.multiply(key, cubes_per_block) + cubes))).tolist()
         return min(sizes[((i % a) * b + j % b) * c + k % c], lc)
 
     return size_at
 
 
 def triangulate_plane_region(
-    gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
+    gmsh: Any, loop_node_counts: Sequence[int], loop_coordinates: Array, size_callback: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
     """Triangulate a plane region, which may have holes, by gmsh; no nodes are added on its boundary.
 
@@ -430,11 +438,11 @@ def triangulate_plane_region(
     ----------
     gmsh : Any
         The module gmsh, in a `gmsh_session`.
-    counts : Sequence[int]
+    loop_node_counts : Sequence[int]
         Number of nodes of each closed loop of the boundary, the outer one first.
-    plane : (n, 2) Array
+    loop_coordinates : (n, 2) Array
         Coordinates of the loops' nodes, one loop after another [m].
-    sizes : Callable[..., float]
+    size_callback : Callable[..., float]
         Function for gmsh's element sizes, from `gmsh_size_callback`.
     algorithm : int
         Number of gmsh's algorithm for plane faces.
@@ -453,10 +461,10 @@ def triangulate_plane_region(
     """
     gmsh.model.add("face")
     geo, mesh = gmsh.model.geo, gmsh.model.mesh
-    for x, y in MM * plane:
+    for x, y in MM * loop_coordinates:
         geo.addPoint(x, y, 0.0)
     wires, first = [], 1
-    for count in counts:
+    for count in loop_node_counts:
         lines = [geo.addLine(first + k, first + (k + 1) % count) for k in range(count)]
         for line in lines:
             geo.mesh.setTransfiniteCurve(line, 2)
@@ -465,28 +473,30 @@ def triangulate_plane_region(
     face = geo.addPlaneSurface(wires)
     geo.synchronize()
     gmsh.option.setNumber("Mesh.Algorithm", algorithm)
-    mesh.setSizeCallback(sizes)
+    mesh.setSizeCallback(size_callback)
     mesh.generate(2)
     mesh.removeSizeCallback()
     tags, xyz, _ = mesh.getNodes(2, face)
     boundary, at, _ = mesh.getNodes(0, -1)
     inner = xyz.reshape(-1, 3)[:, :2] / MM
-    if len(boundary) != len(plane) or not np.allclose(at.reshape(-1, 3)[:, :2], MM * plane, atol=1e-9):
+    if len(boundary) != len(loop_coordinates) or not np.allclose(
+        at.reshape(-1, 3)[:, :2], MM * loop_coordinates, atol=1e-9
+    ):
         raise ValueError("gmsh added or moved nodes on the boundary of a face, which it must not change")
     number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
-    number[boundary.astype(np.int64)] = np.arange(len(plane))
-    number[tags.astype(np.int64)] = len(plane) + np.arange(len(tags))
+    number[boundary.astype(np.int64)] = np.arange(len(loop_coordinates))
+    number[tags.astype(np.int64)] = len(loop_coordinates) + np.arange(len(tags))
     _, corners = mesh.getElementsByType(2)
     tris = number[corners.astype(np.int64)].reshape(-1, 3)
     gmsh.model.remove()
-    a, b, c = (np.concatenate([plane, inner])[tris[:, k]] for k in range(3))
+    a, b, c = (np.concatenate([loop_coordinates, inner])[tris[:, k]] for k in range(3))
     turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
     tris[turned] = tris[turned][:, [0, 2, 1]]
     return tris, inner
 
 
 def fill_with_tetrahedra(
-    gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int
+    gmsh: Any, points: Array, triangles: Index, size_callback: Callable[..., float], algorithm: int
 ) -> tuple[Index, Array]:
     """Fill a closed triangulated surface with tetrahedra by gmsh, without changing the surface.
 
@@ -496,9 +506,9 @@ def fill_with_tetrahedra(
         The module gmsh, in a `gmsh_session`.
     points : (n, 3) Array
         Coordinates of the surface's nodes [m].
-    tris : (t, 3) Index
+    triangles : (t, 3) Index
         Triangles of the surface.
-    sizes : Callable[..., float]
+    size_callback : Callable[..., float]
         Function for gmsh's element sizes, from `gmsh_size_callback`.
     algorithm : int
         Number of gmsh's algorithm for volumes.
@@ -515,19 +525,19 @@ def fill_with_tetrahedra(
     ValueError
         The surface is not closed, or gmsh leaves the volume empty.
     """
-    edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
         raise ValueError("the triangles do not form a closed surface: some of their edges do not belong to two triangles")
     gmsh.model.add("volume")
     surface = gmsh.model.addDiscreteEntity(2)
     count = len(points)
     gmsh.model.mesh.addNodes(2, surface, np.arange(1, count + 1), (MM * points).ravel())
-    gmsh.model.mesh.addElementsByType(surface, 2, [], (tris + 1).ravel())
+    gmsh.model.mesh.addElementsByType(surface, 2, [], (triangles + 1).ravel())
     gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop([surface])])
     gmsh.model.geo.synchronize()
     gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-    gmsh.model.mesh.setSizeCallback(sizes)
+    gmsh.model.mesh.setSizeCallback(size_callback)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.removeSizeCallback()
     tags, xyz, _ = gmsh.model.mesh.getNodes(3, -1)
@@ -543,22 +553,22 @@ def fill_with_tetrahedra(
 
 
 @dataclass(frozen=True)
-class FilledShell:
+class FilledSurfaceMesh:
     """Mesh of second-order tetrahedra inside a closed surface (`Shell`), whose corner nodes keep their numbers."""
 
     #: The mesh.
     mesh: Mesh
     #: One integer for each edge of the mesh, computed from the numbers of its two corners; in ascending order.
-    keys: Index
+    edge_keys: Index
     #: Number of the midside node of each edge, in the order of `keys`.
-    middles: Index
+    midside_nodes: Index
 
-    def middle(self, pairs: Index) -> Index:
+    def midside_nodes_of_edges(self, corner_pairs: Index) -> Index:
         """Return the midside nodes of edges, each given by its two corner nodes.
 
         Parameters
         ----------
-        pairs : (k, 2) Index
+        corner_pairs : (k, 2) Index
             Numbers of the two corners of each edge.
 
         Returns
@@ -571,30 +581,32 @@ class FilledShell:
         ValueError
             A pair of corners is not an edge of the mesh.
         """
-        keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
-        place = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
-        if not np.array_equal(self.keys[place], keys):
+        keys = np.sort(corner_pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
+        place = np.minimum(np.searchsorted(self.edge_keys, keys), len(self.edge_keys) - 1)
+        if not np.array_equal(self.edge_keys[place], keys):
             raise ValueError("an edge of the surface triangles is not an edge of gmsh's tetrahedra")
-        return np.asarray(self.middles[place])
+        return np.asarray(self.midside_nodes[place])
 
-    def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
+    def nodes_on_refinement_box(self, corners: Index, box_faces: RefinementBoxFaces) -> Index:
         """Return all nodes on the faces of a refinement box, which is left free around a contact for a finer mesh.
 
         Parameters
         ----------
         corners : (c,) Index
             Numbers of the refinement box's corner nodes in this mesh.
-        box : SocketMesh
+        box_faces : RefinementBoxFaces
             Mesh of the refinement box's faces.
 
         Returns
         -------
         (k,) Index
-            Numbers of all nodes on the faces, in the order of the nodes of ``box``.
+            Numbers of all nodes on the faces, in the order of the nodes of ``box_faces``.
         """
-        return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
+        return np.concatenate(
+            [corners, self.midside_nodes_of_edges(corners[np.array(list(box_faces.midside_node_of_edge), dtype=np.int64)])]
+        )
 
-    def named(self, shell: Shell) -> Mesh:
+    def with_named_boundaries(self, shell: ClosedSurfaceMesh) -> Mesh:
         """Return the mesh with named boundaries: the faces of ``shell``, the closed surface that it fills.
 
         Raises
@@ -603,16 +615,17 @@ class FilledShell:
             A triangle of the surface is not a face of the mesh.
         """
         return with_boundaries_from_corners(
-            self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)}
+            self.mesh,
+            {name: shell.triangles_on_boundary(name) for name in dict.fromkeys(f.boundary_name for f in shell.faces)},
         )
 
-    def on(self, tris: Index) -> Index:
+    def nodes_of_triangles(self, tris: Index) -> Index:
         """Return the numbers of all corner and midside nodes of triangles on the surface, in ascending order ``(k,)``.
 
         ``tris``: numbers of the corners of the triangles ``(t, 3)``.
         """
         pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
-        return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
+        return np.unique(np.concatenate([tris.ravel(), self.midside_nodes_of_edges(pairs)]))
 
 
 def with_positive_volumes(points: Array, cells: Index) -> Index:
@@ -625,7 +638,7 @@ def with_positive_volumes(points: Array, cells: Index) -> Index:
     return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
 
 
-def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
+def remove_cells_flat_on_surface(surface: ClosedSurfaceMesh, points: Array, cells: Index) -> Index:
     """Remove tetrahedra with two triangles on one smooth face; their other two triangles become part of the surface.
 
     When the common edge of two such triangles is curved, the tetrahedron degenerates along it. A tetrahedron is kept where
@@ -633,7 +646,7 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
 
     Parameters
     ----------
-    shell : Shell
+    surface : Shell
         Closed surface of the mesh; its triangles are changed in place.
     points : (n, 3) Array
         Coordinates of the mesh's corner nodes [m].
@@ -647,14 +660,18 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
     """
     base = np.array([len(points) ** 2, len(points), 1])
     for _ in range(6):
-        keys = np.concatenate([np.sort(f.tris, axis=1) @ base for f in shell.faces])
-        face = np.concatenate([np.full(len(f.local), -1 if f.space is None else k) for k, f in enumerate(shell.faces)])
-        row = np.concatenate([np.arange(len(f.local)) for f in shell.faces])
+        keys = np.concatenate([np.sort(f.triangles, axis=1) @ base for f in surface.faces])
+        face = np.concatenate(
+            [np.full(len(f.local_triangles), -1 if f.point_map is None else k) for k, f in enumerate(surface.faces)]
+        )
+        row = np.concatenate([np.arange(len(f.local_triangles)) for f in surface.faces])
         order = np.argsort(keys)
         sides = np.stack([np.sort(np.delete(cells, k, axis=1), axis=1) @ base for k in range(4)], axis=1)
         place = order[np.minimum(np.searchsorted(keys, sides, sorter=order), len(keys) - 1)]
         opposite = np.where(keys[place] == sides, face[place], -1 - np.arange(4))  # the face opposite each corner
-        edges = set(np.concatenate([np.sort(f.number[f.pairs], axis=1) @ base[1:] for f in shell.faces]).tolist())
+        edges = set(
+            np.concatenate([np.sort(f.node_numbers[f.local_edges], axis=1) @ base[1:] for f in surface.faces]).tolist()
+        )
         pairs = [(i, j) for i in range(4) for j in range(i)]
         alike = np.stack([(opposite[:, i] == opposite[:, j]) & (opposite[:, i] >= 0) for i, j in pairs], axis=1)
         gone, changed = [], set[tuple[int, int]]()
@@ -663,7 +680,7 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
             face_index, rows = int(opposite[number, ends[0]]), [int(k) for k in row[place[number, ends]]]
             turned = {(face_index, k) for k in rows}
             fresh = int(np.sort(cells[number, ends]) @ base[1:]) not in edges and not changed & turned
-            if fresh and shell.faces[face_index].flip_common_edge(rows[0], rows[1]):
+            if fresh and surface.faces[face_index].flip_common_edge(rows[0], rows[1]):
                 changed |= turned
                 gone.append(number)
         if not gone:
@@ -672,19 +689,19 @@ def drop_flat_surface_cells(shell: Shell, points: Array, cells: Index) -> Index:
     return cells
 
 
-def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
+def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> FilledSurfaceMesh:
     """Fill a closed surface with second-order tetrahedra, whose edges become longer with the distance from the surface.
 
     Parameters
     ----------
-    shell : Shell
+    surface : Shell
         Closed surface of the body.
     algorithm : int
         Number of gmsh's algorithm for volumes.
 
     Returns
     -------
-    FilledShell
+    FilledSurfaceMesh
         The mesh; its surface nodes lie exactly on the body's surface.
 
     Raises
@@ -692,10 +709,10 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
     ValueError
         The surface is not closed, gmsh leaves the volume empty, or an edge of the surface is not an edge of the mesh.
     """
-    points = shell.points.copy()
-    for number, place in shell.raised:
+    points = surface.points.copy()
+    for number, place in surface.raised:
         points[number] = place
-    tris = shell.tris()
+    tris = surface.triangles_on_boundary()
     ends = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
     long = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
@@ -703,30 +720,30 @@ def fill_shell(shell: Shell, algorithm: int) -> FilledShell:
 
     def edge_lengths(x: Array) -> Array:
         distance, node = tree.query(x)
-        return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
+        return np.asarray(np.minimum(surface.size(x), near[node] + INWARD * distance))
 
     cells, inner = fill_with_tetrahedra(
-        shell.gmsh, points, tris, gmsh_size_callback(edge_lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm
+        surface.gmsh, points, tris, gmsh_size_callback(edge_lengths, 0.6 * surface.fine, VOLUME_BLOCK), algorithm
     )
     cells = with_positive_volumes(np.concatenate([points, inner]), cells)
-    corners = np.concatenate([shell.points, inner])
-    cells = drop_flat_surface_cells(shell, corners, cells)
+    corners = np.concatenate([surface.points, inner])
+    cells = remove_cells_flat_on_surface(surface, corners, cells)
     used = np.zeros(len(corners), dtype=bool)
-    used[: len(shell.points)] = True
+    used[: len(surface.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
     straight = to_second_order(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
-    filled = FilledShell(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
-    edges, exact = shell.exact()
-    number = filled.middle(edges)[::-1]  # where an edge has several midpoints, the first one counts
+    filled = FilledSurfaceMesh(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
+    edges, exact = surface.exact_edge_midpoints()
+    number = filled.midside_nodes_of_edges(edges)[::-1]  # where an edge has several midpoints, the first one counts
     points = straight.doflocs.T.copy()
     points[number] = exact[::-1]
     return replace(filled, mesh=with_node_coordinates(straight, points))
 
 
-def graded_size_function(
+def edge_length_growing_with_distance(
     fine_points: Array, smallest_size: float, largest_size: float, fine_distance: float, coarse_distance: float
 ) -> Placing:
     """Return a function for the wanted edge length, which grows with the distance from the nearest of given points.
@@ -756,7 +773,7 @@ def graded_size_function(
     return size
 
 
-def mesh_with_smallest_fault(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
+def best_mesh_of_attempts(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
     """Mesh a body with gmsh's algorithms and element sizes of `ATTEMPTS` in turn, until a mesh has no fault.
 
     Parameters

@@ -51,9 +51,9 @@ TAPER = 0.2
 #: Largest accepted distance of a ball's centre from the groove's centre line, as a ratio to the ball's radius.
 ON_GROOVE = 1e-3
 #: RAISED: relative bulges of a refinement box's faces that are tried while a body is filled with cells, see
-#: `mesh_socket_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms that
-#: twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles in
-#: the middle of symmetric faces.
+#: `mesh_refinement_box_faces`. RIDGE: smallest height of the protruding diagonals as a ratio to their lengths. TWIST: terms
+#: that twist the rectangles of side faces and of the bottom, so that one diagonal protrudes. SKEW: the same for rectangles
+#: in the middle of symmetric faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 #: Factors on the local coordinates that reverse the azimuth: a box on a left flank becomes one on the right flank.
@@ -61,7 +61,7 @@ AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True)
-class SocketSize:
+class RefinementBoxSize:
     """Size of a refinement box: the box around a contact that a body's coarse mesh leaves free for a finer mesh."""
 
     #: Half width, as an angle around the arc of the groove's cross-section (section angle) [rad].
@@ -72,11 +72,11 @@ class SocketSize:
     phi: float
     #: Number of equal parts into which the refinement box's edges are divided across the groove, in depth and along the
     #: groove.
-    cuts: tuple[int, int, int] = (2, 2, 2)
+    edge_divisions: tuple[int, int, int] = (2, 2, 2)
 
 
 @dataclass(frozen=True)
-class SocketMesh:
+class RefinementBoxFaces:
     """Triangle mesh of the five inner faces of a refinement box, where a body's coarse mesh meets the finer one."""
 
     #: Local coordinates of the nodes ``(k, 3)``: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
@@ -85,12 +85,14 @@ class SocketMesh:
     triangles: Index
     #: Number of the face on which each triangle lies ``(t,)``: 0 and 1 at the smallest and largest section angle, 2 the
     #: bottom, 3 and 4 at the smallest and largest azimuth.
-    face: Index
+    face_of_triangle: Index
     #: Midside node of each edge of the triangles; the key holds the edge's two corner nodes in ascending order.
-    edges: dict[tuple[int, int], int]
+    midside_node_of_edge: dict[tuple[int, int], int]
 
 
-def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
+def mesh_refinement_box_faces(
+    point_map: Callable[[Array], Array], divisions: tuple[int, int, int]
+) -> tuple[RefinementBoxFaces, Array]:
     """Mesh the inner faces of a refinement box, and compute the shape in which they bulge while gmsh works.
 
     While gmsh fills the body around the box with tetrahedra, the corner nodes of the box are displaced into the body; only
@@ -108,7 +110,7 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
 
     Returns
     -------
-    mesh : SocketMesh
+    mesh : RefinementBoxFaces
         Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
         Local coordinates of the mesh's c corner nodes in the bulging shape.
@@ -133,7 +135,7 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
     square, inside = np.array(squares), point_map(np.array([[0.0, 0.5, 0.0]]))[0]
     best = (-1.0, np.zeros(0), xi)
     for share in RAISED:
-        raised = bulge_faces(xi, share)
+        raised = bulge_refinement_box_faces(xi, share)
         height = _heights_of_diagonals(point_map(raised), square, inside)
         best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
         if best[0] >= RIDGE:
@@ -142,10 +144,10 @@ def mesh_socket_faces(point_map: Callable[[Array], Array], divisions: tuple[int,
     return _add_midside_nodes(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
 
 
-def mesh_socket_of_flank(
+def mesh_refinement_box_of_flank(
     point_map_of_flank: Callable[[int], Callable[[Array], Array]], side: int, divisions: tuple[int, int, int]
-) -> tuple[SocketMesh, Array]:
-    """Mesh the inner faces of the refinement boxes on one flank of the groove; for details see `mesh_socket_faces`.
+) -> tuple[RefinementBoxFaces, Array]:
+    """Mesh the inner faces of the refinement boxes on one flank of the groove; for details see `mesh_refinement_box_faces`.
 
     A rotation by 180 degrees about the radial line through the ball's centre maps left flanks onto right ones and reverses
     the azimuth. So the mesh for a right flank (SR, NR) is that for the left flank with reversed azimuth, node by node.
@@ -162,25 +164,25 @@ def mesh_socket_of_flank(
 
     Returns
     -------
-    mesh : SocketMesh
+    mesh : RefinementBoxFaces
         Mesh of the five faces in their final shape, without bulge.
     bulging : (c, 3) Array
         Local coordinates of the mesh's c corner nodes in the bulging shape that they have while gmsh fills the body.
     """
     if side % 2 == 0:
-        return mesh_socket_faces(point_map_of_flank(side), divisions)
-    left, raised = mesh_socket_faces(point_map_of_flank(side - 1), divisions)
+        return mesh_refinement_box_faces(point_map_of_flank(side), divisions)
+    left, raised = mesh_refinement_box_faces(point_map_of_flank(side - 1), divisions)
     turned = left.triangles[:, [0, 2, 1, 5, 4, 3]]
-    face = np.where(left.face >= 3, 7 - left.face, left.face)
-    return SocketMesh(left.xi * AZIMUTH_TURNED, turned, face, left.edges), raised * AZIMUTH_TURNED
+    face = np.where(left.face_of_triangle >= 3, 7 - left.face_of_triangle, left.face_of_triangle)
+    return RefinementBoxFaces(left.xi * AZIMUTH_TURNED, turned, face, left.midside_node_of_edge), raised * AZIMUTH_TURNED
 
 
-def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
+def bulge_refinement_box_faces(local_coordinates: Array, bulge_ratio: float) -> Array:
     """Move points on the faces of a refinement box away from its centre, so that the faces bulge; its rim does not move.
 
     Parameters
     ----------
-    xi : (n, 3) Array
+    local_coordinates : (n, 3) Array
         Local coordinates of the points: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     bulge_ratio : float
         Approximate ratio of the largest displacement to the half width of the faces.
@@ -190,7 +192,7 @@ def bulge_faces(xi: Array, bulge_ratio: float) -> Array:
     (n, 3) Array
         Local coordinates of the moved points.
     """
-    a, u, b = xi.T
+    a, u, b = local_coordinates.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
     bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
     side, end = (1.0 + bulge_ratio * (rise + TWIST[0] * u * (x + SKEW * y)) for x, y in ((along, b), (across, a)))
@@ -211,7 +213,7 @@ def _heights_of_diagonals(points: Array, square: Index, inside: Array) -> Array:
     return np.asarray(np.einsum("sx,sx->s", 0.5 * (a + c - b - d), out) / area**1.5)
 
 
-def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
+def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> RefinementBoxFaces:
     """Add midside nodes to the linear triangles on the faces of a refinement box, and return the second-order mesh.
 
     ``xi``: local coordinates of the corner nodes ``(c, 3)``; ``corners``: corner nodes of the triangles ``(t, 3)``;
@@ -223,15 +225,15 @@ def _add_midside_nodes(xi: Array, corners: Index, owner: Index) -> SocketMesh:
         pairs = [(min(pair), max(pair)) for pair in ((a, b), (b, c), (c, a))]
         rows.append([a, b, c, *(edges.setdefault(pair, len(xi) + len(edges)) for pair in pairs)])
     middle = np.array([0.5 * (xi[i] + xi[j]) for i, j in edges])
-    return SocketMesh(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
+    return RefinementBoxFaces(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
 
 
-def nodes_of_socket_rim(socket: SocketMesh) -> Index:
+def rim_nodes_of_refinement_box(box_faces: RefinementBoxFaces) -> Index:
     """Return the corner nodes around the rim of a refinement box, its open top at the groove's surface, in order.
 
     Parameters
     ----------
-    socket : SocketMesh
+    box_faces : RefinementBoxFaces
         Mesh of the refinement box's faces.
 
     Returns
@@ -240,8 +242,8 @@ def nodes_of_socket_rim(socket: SocketMesh) -> Index:
         Numbers of the nodes, once around the rim.
     """
     around: dict[int, list[int]] = {}
-    for i, j in socket.edges:
-        if socket.xi[i, 1] == 0.0 and socket.xi[j, 1] == 0.0:
+    for i, j in box_faces.midside_node_of_edge:
+        if box_faces.xi[i, 1] == 0.0 and box_faces.xi[j, 1] == 0.0:
             around.setdefault(i, []).append(j)
             around.setdefault(j, []).append(i)
     loop = [min(around)]
@@ -251,7 +253,7 @@ def nodes_of_socket_rim(socket: SocketMesh) -> Index:
     return np.array(loop, dtype=np.int64)
 
 
-def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
+def unrolled_nominal_contact_point(m: GrooveMap, side: int) -> tuple[float, float, float]:
     """Return the unrolled coordinates of the nominal contact point on a flank, for a ball at azimuth 0 and z = 0.
 
     Parameters
@@ -272,14 +274,14 @@ def unrolled_socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float
     return float(r), float(zeta), float(psi)
 
 
-def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
+def points_in_box_at_azimuth_zero(m: GrooveMap, size: RefinementBoxSize, side: int, xi: Array) -> Array:
     """Map local coordinates in a refinement box to points of the body, for the contact of a ball at azimuth 0 and z = 0.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -294,19 +296,21 @@ def points_in_reference_socket(m: GrooveMap, size: SocketSize, side: int, xi: Ar
     gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
     r, zeta, _ = m.section_to_unrolled(*m.polar_to_section(side, gamma, rho))
-    return m.space(r, zeta, unrolled_socket_centre(m, side)[2] + size.phi * xi[:, 2])
+    return m.unrolled_to_cartesian(r, zeta, unrolled_nominal_contact_point(m, side)[2] + size.phi * xi[:, 2])
 
 
-def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
+def points_in_refinement_box(
+    m: GrooveMap, size: RefinementBoxSize, ball_position: tuple[float, float, int], xi: Array
+) -> Array:
     """Map local coordinates in a refinement box to points of the screw or nut, for the contact of a ball at any position.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement box.
-    socket : tuple[float, float, int]
+    ball_position : tuple[float, float, int]
         Azimuth [rad] and axial position z [m] of the ball, and flank 0 to 3.
     xi : (n, 3) Array
         Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
@@ -316,22 +320,22 @@ def points_in_socket(m: GrooveMap, size: SocketSize, socket: tuple[float, float,
     (n, 3) Array
         Cartesian coordinates of the points [m].
     """
-    phi, z, side = socket
+    phi, z, side = ball_position
     c, s = np.cos(phi), np.sin(phi)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(points_in_reference_socket(m, size, side, xi) @ turn + np.array([0.0, 0.0, z]))
+    return np.asarray(points_in_box_at_azimuth_zero(m, size, side, xi) @ turn + np.array([0.0, 0.0, z]))
 
 
-def local_coordinates_in_socket(
-    m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
+def local_coordinates_in_refinement_box(
+    m: GrooveMap, size: RefinementBoxSize, ball_position: tuple[float, float, int], phi: Array, z: Array, r: Array
 ) -> Array:
-    """Map points of a screw or nut to local coordinates in a refinement box; the inverse of `points_in_socket`.
+    """Map points of a screw or nut to local coordinates in a refinement box; the inverse of `points_in_refinement_box`.
 
     Parameters
     ----------
-    m, size, socket
+    m, size, ball_position
         Groove surfaces of the track; size of the refinement box; and azimuth [rad] and axial position [m] of the ball with
-        its flank 0 to 3, as for `points_in_socket`.
+        its flank 0 to 3, as for `points_in_refinement_box`.
     phi, z, r : (n,) Array
         Cylindrical coordinates of the points [rad, m, m].
 
@@ -340,11 +344,11 @@ def local_coordinates_in_socket(
     (n, 3) Array
         Local coordinates: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     """
-    ball_phi, ball_z, side = socket
-    centre = ball_phi + unrolled_socket_centre(m, side)[2]
+    ball_phi, ball_z, side = ball_position
+    centre = ball_phi + unrolled_nominal_contact_point(m, side)[2]
     total = phi + 2.0 * np.pi * np.round((centre - phi) / (2.0 * np.pi))
     zeta = z - (ball_z - m.rg * ball_phi) - m.rg * total
-    gamma, rho = m.section_to_polar(side, *m.roll(r, zeta))
+    gamma, rho = m.section_to_polar(side, *m.unrolled_to_section(r, zeta))
     depth = (rho - m.radius[side]) / size.depth
     across = (gamma - m.beta) / (size.gamma * (1.0 - TAPER * depth))
     return np.stack([across, depth, (total - centre) / size.phi], axis=1)
@@ -392,7 +396,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
     )
 
 
-def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
+def turns_and_distance_to_groove(m: GrooveMap, phi: float, z: float, helix_constant: float) -> tuple[int, float]:
     """Return how many turns to add to a ball's azimuth to count it along a helical groove, and its distance from it.
 
     Azimuths along a helical groove are counted on over whole turns.
@@ -403,23 +407,23 @@ def turns_to_groove(m: GrooveMap, phi: float, z: float, line: float) -> tuple[in
         Groove surfaces of the track.
     phi, z : float
         Azimuth [rad] and axial position [m] of the ball.
-    line : float
-        Constant z - r_g phi of the groove [m] from `helix_constants_of_grooves`, with the lead per radian r_g.
+    helix_constant : float
+        Constant z - r_g phi of the groove [m] from `helix_constants_of_starts`, with the lead per radian r_g.
 
     Returns
     -------
     turns : int
-        Number of whole turns to add to the azimuth, so that z - r_g phi of the ball agrees best with ``line``.
+        Number of whole turns to add to the azimuth, so that z - r_g phi of the ball agrees best with ``helix_constant``.
     off : float
         Axial distance of the ball from the groove's centre line [m].
     """
-    off = z - m.rg * phi - line
+    off = z - m.rg * phi - helix_constant
     pitch = 2.0 * np.pi * m.rg
     turns = round(off / pitch) if pitch else 0
     return turns, abs(off - turns * pitch)
 
 
-def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
+def helix_constants_of_starts(m: GrooveMap) -> list[float]:
     """Return the constant z - r_g phi of the helix of each start's groove [m], with the lead per radian r_g.
 
     It is the axial position at which the helix crosses azimuth 0; for a bearing ring, that of its one groove.
@@ -437,7 +441,7 @@ def helix_constants_of_grooves(m: GrooveMap) -> list[float]:
     return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
 
 
-def gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
+def azimuth_gaps_between_balls(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
     """Return the differences in azimuth between neighbouring balls along the grooves.
 
     In a bearing ring, the last ball is a neighbour of the first.
@@ -489,23 +493,23 @@ def _largest_fitting_factor(fits: Callable[[float], bool]) -> float:
     return low if low > 1e-6 else 0.0
 
 
-def _sample_points_in_socket(m: GrooveMap, size: SocketSize, side: int) -> Array:
+def _sample_points_in_refinement_box(m: GrooveMap, size: RefinementBoxSize, side: int) -> Array:
     """Return points on a regular grid that fills a refinement box, ``(n, 3)`` [m], for a ball at azimuth 0 and z = 0.
 
     ``m``: groove surfaces of the track; ``size``: size of the refinement box; ``side``: flank 0 to 3 (SL, SR, NL, NR).
     """
     axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
-    return points_in_reference_socket(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
+    return points_in_box_at_azimuth_zero(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
 
 
-def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: float) -> float:
+def wall_thickness_under_refinement_box(m: GrooveMap, size: RefinementBoxSize, side: int, wall_radius: float) -> float:
     """Return the thickness of the material between a refinement box and the screw's bore, or the nut's outer surface.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement box.
     side : int
         Flank: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -517,18 +521,18 @@ def wall_under_socket(m: GrooveMap, size: SocketSize, side: int, wall_radius: fl
     float
         Thickness [m]; negative where the refinement box reaches through the wall.
     """
-    r = np.hypot(*_sample_points_in_socket(m, size, side)[:, :2].T)
+    r = np.hypot(*_sample_points_in_refinement_box(m, size, side)[:, :2].T)
     return float(r.min() - wall_radius if side < 2 else wall_radius - r.max())
 
 
-def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
+def axial_reach_of_refinement_boxes(m: GrooveMap, size: RefinementBoxSize, sides: tuple[int, ...]) -> tuple[float, float]:
     """Return how far the refinement boxes at the contacts of a ball extend along the axis from the ball's centre.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement boxes.
     sides : tuple[int, ...]
         Flanks with refinement boxes: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
@@ -538,11 +542,11 @@ def axial_reach_of_sockets(m: GrooveMap, size: SocketSize, sides: tuple[int, ...
     below, above : float
         Largest distance, over these flanks, in the direction -z, and in the direction +z [m].
     """
-    z = np.concatenate([_sample_points_in_socket(m, size, s)[:, 2] for s in sides])
+    z = np.concatenate([_sample_points_in_refinement_box(m, size, s)[:, 2] for s in sides])
     return float(-z.min()), float(z.max())
 
 
-def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
+def distance_to_next_turn(m: GrooveMap, size: RefinementBoxSize, sides: tuple[int, ...]) -> float:
     """Return the smallest distance from the refinement boxes of a screw or nut to the next turn of its groove.
 
     Where both flanks carry contacts, the axial distance to the middle between this turn and the next counts too.
@@ -551,7 +555,7 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement boxes.
     sides : tuple[int, ...]
         Flanks with refinement boxes: one or both of 0 and 1 (left and right on the screw), or of 2 and 3 (on the nut).
@@ -566,10 +570,10 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     pitch = 2.0 * np.pi * abs(m.rg) / m.starts
     distances = []
     for side in sides:
-        x = _sample_points_in_socket(m, size, side)
+        x = _sample_points_in_refinement_box(m, size, side)
         r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
         other = side ^ 1
-        x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
+        x3, z3 = m.unrolled_to_section(r, zeta - m.signs[side, 1] * pitch)
         away = [m.section_to_polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
         distances.append(float(np.max(away, axis=0).min()))
         if other in sides:
@@ -577,17 +581,17 @@ def distance_to_next_turn(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]
     return min(distances)
 
 
-def largest_fitting_socket(
+def largest_fitting_refinement_box(
     m: GrooveMap,
     layout: BallLayout,
     sides: tuple[int, ...],
-    land_screw: float,
-    bore_screw: float,
-    land_nut: float,
-    outer_nut: float,
-    ends: tuple[float, float],
+    screw_land_radius: float,
+    screw_bore_radius: float,
+    nut_land_radius: float,
+    nut_outer_radius: float,
+    nut_end_positions: tuple[float, float],
     contact_half_lengths: tuple[float, float] = (0.0, 0.0),
-) -> SocketSize:
+) -> RefinementBoxSize:
     """Find the largest size, up to the default, of a refinement box that fits at every contact of a scene.
 
     A refinement box is the box around a contact that a body's coarse mesh leaves free for a finer mesh. The default size is
@@ -604,9 +608,9 @@ def largest_fitting_socket(
         Positions of the balls.
     sides : tuple[int, ...]
         Flanks that carry contacts: 0 and 1 are left and right on the screw, 2 and 3 on the nut.
-    land_screw, bore_screw, land_nut, outer_nut : float
+    screw_land_radius, screw_bore_radius, nut_land_radius, nut_outer_radius : float
         Radii of the screw's lands and bore (0 for a solid screw), and of the nut's lands and outer surface [m].
-    ends : tuple[float, float]
+    nut_end_positions : tuple[float, float]
         Axial positions of the nut's flat ends [m]; they are nearer to the balls than the ends of the screw.
     contact_half_lengths : tuple[float, float], default (0.0, 0.0)
         Half lengths of the contact zone about the nominal contact point: along the arc of the groove's section, and along
@@ -614,7 +618,7 @@ def largest_fitting_socket(
 
     Returns
     -------
-    SocketSize
+    RefinementBoxSize
         Size that fits all contacts.
 
     Raises
@@ -624,13 +628,15 @@ def largest_fitting_socket(
         (without ``contact_half_lengths``) width remains, or 0.1 of depth and length next to a flat end. The message gives
         cause and remedy.
     """
-    usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
+    usual = RefinementBoxSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
     least = max((contact_half_lengths[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
     wide = replace(
         usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, contact_half_lengths[1] / (FILLED * m.R))
     )
-    gamma, why_gamma = _allowed_half_width(m, sides, land_screw, land_nut, wide.gamma, contact_half_lengths[0])
+    gamma, why_gamma = _allowed_half_width(
+        m, sides, screw_land_radius, nut_land_radius, wide.gamma, contact_half_lengths[0]
+    )
     size = replace(wide, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
@@ -638,35 +644,37 @@ def largest_fitting_socket(
         return f"{1e3 * x:.4g} mm"
 
     for side in sides:
-        behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
+        behind, name = (screw_bore_radius, "screw's bore") if side < 2 else (nut_outer_radius, "nut's outside")
 
-        def wall_is_thick_enough(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
+        def wall_is_thick_enough(
+            share: float, side: int = side, behind: float = behind, size: RefinementBoxSize = size
+        ) -> bool:
             depth = share * wide.depth
-            return wall_under_socket(m, replace(size, depth=depth), side, behind) >= UNDER * depth
+            return wall_thickness_under_refinement_box(m, replace(size, depth=depth), side, behind) >= UNDER * depth
 
         depth = wide.depth * _largest_fitting_factor(wall_is_thick_enough)
         if depth < size.depth:
             size = replace(size, depth=depth)
-            wall = wall_under_socket(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
+            wall = wall_thickness_under_refinement_box(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
             cause["depth"] = f"the wall between the contact and the {name} is only {in_mm(wall)} thick; thicken the wall"
 
     if layout.z.size > 1 or m.rg == 0.0:
-        gaps, pairs = gaps_between_balls(m, layout.azimuth, layout.z)
+        gaps, pairs = azimuth_gaps_between_balls(m, layout.azimuth, layout.z)
         if gaps.size and gaps.min() < (2.0 + BETWEEN) * wide.phi:
             size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
             first, second = pairs[gaps.round(9).argmin()] + 1
             apart = in_mm(gaps.min() * m.R)
             cause["phi"] = f"balls {first} and {second} are only {apart} apart along the track; move them further apart"
 
-    low, high = layout.z.min() - ends[0], ends[1] - layout.z.max()
+    low, high = layout.z.min() - nut_end_positions[0], nut_end_positions[1] - layout.z.max()
 
-    def scaled_socket(share: float) -> SocketSize:
+    def scaled_socket(share: float) -> RefinementBoxSize:
         narrow = max(share * size.gamma, min(size.gamma, least))
         short = max(share * size.phi, min(size.phi, contact_half_lengths[1] / (ZONE * m.R)))
         return replace(size, gamma=narrow, depth=share * size.depth, phi=short)
 
     def fits_between_ends(share: float, away: float = AWAY) -> bool:
-        below, above = axial_reach_of_sockets(m, scaled_socket(share), sides)
+        below, above = axial_reach_of_refinement_boxes(m, scaled_socket(share), sides)
         return bool(below + away * m.ball <= low and above + away * m.ball <= high)
 
     def fits_with_thin_wall(share: float) -> bool:
@@ -766,13 +774,13 @@ def _allowed_half_width(
     return gamma, why
 
 
-def check_sockets_fit(
+def check_refinement_boxes_fit(
     m: GrooveMap,
-    size: SocketSize,
-    sockets: tuple[tuple[float, float, int], ...],
+    size: RefinementBoxSize,
+    ball_positions: tuple[tuple[float, float, int], ...],
     land_radius: float,
     wall_radius: float,
-    ends: tuple[float, float],
+    end_positions: tuple[float, float],
 ) -> None:
     """Raise ValueError where refinement boxes of a screw or nut overlap, or extend beyond the surfaces of the part.
 
@@ -780,20 +788,23 @@ def check_sockets_fit(
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    size : SocketSize
+    size : RefinementBoxSize
         Size of the refinement boxes.
-    sockets : tuple[tuple[float, float, int], ...]
+    ball_positions : tuple[tuple[float, float, int], ...]
         For each refinement box, azimuth [rad] and axial position [m] of its ball, and its flank: 0 and 1 are left and right
         on the screw, 2 and 3 on the nut.
     land_radius, wall_radius : float
         Radius of the lands; radius of the surface behind the groove: the screw's bore or the nut's outer surface [m].
-    ends : tuple[float, float]
+    end_positions : tuple[float, float]
         Axial positions of the part's flat ends [m].
     """
     remedy = "make the refinement boxes smaller (the module rollbench.meshes.sockets computes a size that fits)"
-    sides = tuple(sorted({s for _, _, s in sockets}))
-    for phi, z, _ in sockets:
-        if min(turns_to_groove(m, phi, z, line)[1] for line in helix_constants_of_grooves(m)) > ON_GROOVE * m.ball:
+    sides = tuple(sorted({s for _, _, s in ball_positions}))
+    for phi, z, _ in ball_positions:
+        if (
+            min(turns_and_distance_to_groove(m, phi, z, line)[1] for line in helix_constants_of_starts(m))
+            > ON_GROOVE * m.ball
+        ):
             raise ValueError(
                 f"the refinement box at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm does not lie on a groove: "
                 "place the balls with rollbench.meshes.helix.ball_layout"
@@ -805,15 +816,15 @@ def check_sockets_fit(
                 f"a refinement box on flank {SIDES[side]}, {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad, "
                 f"extends beyond the flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
             )
-        if wall_under_socket(m, size, side, wall_radius) <= 0.0:
+        if wall_thickness_under_refinement_box(m, size, side, wall_radius) <= 0.0:
             raise ValueError(f"a refinement box on flank {SIDES[side]} reaches through the wall of the part: {remedy}")
-        places = np.array([(a, z) for a, z, s in sockets if s == side])
-        gaps, pairs = gaps_between_balls(m, places[:, 0], places[:, 1])
+        places = np.array([(a, z) for a, z, s in ball_positions if s == side])
+        gaps, pairs = azimuth_gaps_between_balls(m, places[:, 0], places[:, 1])
         if gaps.size and gaps.min() <= 2.0 * size.phi:
             first, second = pairs[gaps.round(9).argmin()] + 1
             raise ValueError(f"the refinement boxes of balls {first} and {second} overlap along the track: {remedy}")
-        below, above = axial_reach_of_sockets(m, size, (side,))
-        if places[:, 1].min() - below <= ends[0] or places[:, 1].max() + above >= ends[1]:
+        below, above = axial_reach_of_refinement_boxes(m, size, (side,))
+        if places[:, 1].min() - below <= end_positions[0] or places[:, 1].max() + above >= end_positions[1]:
             raise ValueError(f"a refinement box on flank {SIDES[side]} reaches a flat end of the part: {remedy}")
     if sides and distance_to_next_turn(m, size, sides) <= 0.0:
         raise ValueError(f"a refinement box reaches the next turn of the groove: {remedy}")

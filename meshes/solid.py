@@ -51,7 +51,7 @@ class Dimensions:
     #: Those of the assumptions that are needed only for meshing, as sentences.
     mesh_only: tuple[str, ...] = frozen_default(())
 
-    def ends(self, scene: Scene) -> tuple[float, float]:
+    def ends_of_meshed_screw(self, scene: Scene) -> tuple[float, float]:
         """Return the axial positions between which the screw is meshed in 3D; there it has flat ends.
 
         An end closer than `SAME` to a support or load is moved to it, because the two may differ by rounding. Otherwise the

@@ -11,7 +11,7 @@ from math import cos, sin
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen
+from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.helix import lead_angle, lead_per_radian
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 
@@ -54,14 +54,14 @@ def groove_radius_with_slopes(gamma: Array, radius: float | Array, profile: Arra
     return np.stack([radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma])
 
 
-def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> dict[str, Array]:
+def surface_derivatives(scene: Scene, geometry: GeometryWithErrors, side: int | slice, gamma: Array) -> dict[str, Array]:
     """Compute points of the groove surface at each ball, and its derivatives with respect to azimuth and section angle.
 
     Parameters
     ----------
     scene : Scene
         Scene with the nominal geometry.
-    drawn : Specimen
+    geometry : Specimen
         Geometry of the grooves at the balls, with errors.
     side : int | slice
         Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four flanks, which are then the second axis of the results.
@@ -80,16 +80,16 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     """
     sx, sz = SIGNS[side].T
     if isinstance(side, int):
-        rho, rho1, rho2 = groove_radius_with_slopes(gamma, drawn.radius[side], drawn.profile[side])
+        rho, rho1, rho2 = groove_radius_with_slopes(gamma, geometry.groove_radii[side], geometry.profile_coefficients[side])
     else:
-        flanks = zip(gamma.T, drawn.radius, drawn.profile, strict=True)
+        flanks = zip(gamma.T, geometry.groove_radii, geometry.profile_coefficients, strict=True)
         rho, rho1, rho2 = np.stack([groove_radius_with_slopes(*x) for x in flanks], axis=-1)
     c, s = np.cos(gamma), np.sin(gamma)
     zero = np.zeros_like(c)
-    a = np.stack([sx * rho * c, sz * rho * s], -1) + drawn.centre[:, side]
+    a = np.stack([sx * rho * c, sz * rho * s], -1) + geometry.groove_centres[:, side]
     a_g = np.stack([sx * (rho1 * c - rho * s), sz * (rho1 * s + rho * c)], -1)
     a_gg = np.stack([sx * ((rho2 - rho) * c - 2.0 * rho1 * s), sz * ((rho2 - rho) * s + 2.0 * rho1 * c)], -1)
-    a_p, a_pp = drawn.centre_slopes[0][:, side], drawn.centre_slopes[1][:, side]
+    a_p, a_pp = geometry.groove_centre_derivatives[0][:, side], geometry.groove_centre_derivatives[1][:, side]
 
     alpha = lead_angle(scene.track)
 
@@ -116,12 +116,12 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma:
     }
 
 
-def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
+def fundamental_forms(derivatives: dict[str, Array]) -> tuple[Array, Array, Array]:
     """Compute the first and second fundamental forms of a groove surface, and its unit normal, from its derivatives.
 
     Parameters
     ----------
-    d : dict[str, Array]
+    derivatives : dict[str, Array]
         Derivatives of the surface, from `surface_derivatives`.
 
     Returns
@@ -137,28 +137,38 @@ def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
     ----------
     Lin (2019), eqs. (B.4) and (B.5).
     """
-    normal = np.cross(d["Sp"], d["Sg"])
+    normal = np.cross(derivatives["Sp"], derivatives["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def dot_products(u: Array, v: Array) -> Array:
         return np.asarray(np.einsum("...i,...i->...", u, v))
 
-    cross = dot_products(d["Sp"], d["Sg"])
+    cross = dot_products(derivatives["Sp"], derivatives["Sg"])
     shape = (*cross.shape, 2, 2)
-    first = np.stack([dot_products(d["Sp"], d["Sp"]), cross, cross, dot_products(d["Sg"], d["Sg"])], -1).reshape(shape)
-    mixed = dot_products(d["Spg"], normal)
-    second = np.stack([dot_products(d["Spp"], normal), mixed, mixed, dot_products(d["Sgg"], normal)], -1).reshape(shape)
+    first = np.stack(
+        [
+            dot_products(derivatives["Sp"], derivatives["Sp"]),
+            cross,
+            cross,
+            dot_products(derivatives["Sg"], derivatives["Sg"]),
+        ],
+        -1,
+    ).reshape(shape)
+    mixed = dot_products(derivatives["Spg"], normal)
+    second = np.stack(
+        [dot_products(derivatives["Spp"], normal), mixed, mixed, dot_products(derivatives["Sgg"], normal)], -1
+    ).reshape(shape)
     return first, second, normal
 
 
-def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> Array:
+def principal_curvatures(scene: Scene, geometry: GeometryWithErrors, side: int | slice, gamma: Array) -> Array:
     """Compute the principal curvatures of the groove surface at each ball; convex surfaces have positive curvature.
 
     They are the eigenvalues of I^-1 II, for the normal out of the material. Lin (B.4) uses the eigenvalues of II.
 
     Parameters
     ----------
-    scene, drawn, side, gamma
+    scene, geometry, side, gamma
         Nominal geometry, geometry with errors, flank and section angles, as for `surface_derivatives`.
 
     Returns
@@ -173,14 +183,14 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
     Examples
     --------
     >>> import rollbench
-    >>> from rollbench.meshes.errors import draw_specimen
+    >>> from rollbench.meshes.errors import draw_geometry_with_errors
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> drawn = draw_specimen(scene, ball_layout(scene))
+    >>> drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     >>> principal_curvatures(scene, drawn, 0, np.full(32, scene.track.contact_angle))[0].round(2).tolist()
     [-307.32, 46.75]
     """
-    d = surface_derivatives(scene, drawn, side, gamma)
+    d = surface_derivatives(scene, geometry, side, gamma)
     first, second, normal = fundamental_forms(d)
     sx, sz = SIGNS[side].T
     alpha = lead_angle(scene.track)
@@ -190,7 +200,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma
     return np.sort(-outward[..., None] * np.linalg.eigvals(shape).real, axis=-1)
 
 
-def printed_principal_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
+def printed_principal_radii(scene: Scene, geometry: GeometryWithErrors, side: int, gamma: Array) -> Array:
     """Compute the "principal radii" printed in Table B.1 of Lin's thesis: eigenvalues of the second fundamental form II.
 
     These are not radii of curvature, because the first fundamental form I is not considered. They have the dimension of a
@@ -199,7 +209,7 @@ def printed_principal_radii(scene: Scene, drawn: Specimen, side: int, gamma: Arr
 
     Parameters
     ----------
-    scene, drawn, side, gamma
+    scene, geometry, side, gamma
         Nominal geometry, geometry with errors, flank and section angles, as for `surface_derivatives` with one flank.
 
     Returns
@@ -211,5 +221,5 @@ def printed_principal_radii(scene: Scene, drawn: Specimen, side: int, gamma: Arr
     ----------
     Lin (2019), eqs. (B.4) and (B.5), Table B.1.
     """
-    _, second, _ = fundamental_forms(surface_derivatives(scene, drawn, side, gamma))
+    _, second, _ = fundamental_forms(surface_derivatives(scene, geometry, side, gamma))
     return np.asarray(np.linalg.eigvalsh(second))

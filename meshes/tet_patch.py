@@ -16,7 +16,7 @@ import numpy as np
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.shell import MM, gmsh_session
-from rollbench.meshes.sockets import SocketMesh
+from rollbench.meshes.sockets import RefinementBoxFaces
 
 #: Ratio of the edge length of gmsh's Delaunay tetrahedra to the requested one, by the cube root of mean volumes.
 LARGER = 1.22
@@ -32,39 +32,39 @@ SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 
 @dataclass(frozen=True)
-class TetBox:
+class TetrahedralPatchSizes:
     """Dimensions of a contact patch, a box of fine tetrahedra around a contact, and edge lengths of these."""
 
     #: Half widths of the patch across the groove (section angle) and along it (azimuth) [m].
-    width: tuple[float, float]
+    half_widths: tuple[float, float]
     #: Depth of the patch [m].
     depth: float
     #: Half widths of the contact zone across and along the groove, as fractions of the half widths of the patch.
-    zone: tuple[float, float]
+    contact_zone_fractions: tuple[float, float]
     #: Half widths across and along the groove, and depth, of the inner box at the contact that has the finest cells [m].
-    influence: tuple[float, float, float]
+    fine_box: tuple[float, float, float]
     #: Edge length of the cells in the inner box [m].
-    fine: float
+    smallest_edge_length: float
     #: Largest edge length [m].
-    far: float
+    largest_edge_length: float
     #: Increase of the edge length per unit of distance from the inner box.
-    growth: float = 0.2
+    growth_per_distance: float = 0.2
 
 
 @dataclass(frozen=True)
-class LocalTets:
+class TetrahedralPatchMesh:
     """Mesh of a contact patch, a box around a contact: first-order tetrahedra in the box's local coordinates."""
 
     #: Local coordinates of the nodes ``(n, 3)``: section angle gamma in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
     xi: Array
     #: Nodes of the tetrahedra ``(m, 4)``.
-    tets: Index
+    tetrahedra: Index
     #: Nodes of the triangles on the face at depth 0, the groove's or ball's surface ``(t, 3)``.
-    top: Index
+    top_triangles: Index
     #: Nodes in the zone of possible contact ``(c,)``, sorted by section angle, then by azimuth.
-    contact: Index
+    contact_nodes: Index
     #: Time needed by gmsh [s].
-    seconds: float
+    meshing_seconds: float
 
 
 def patch_as_in_thesis(
@@ -73,13 +73,13 @@ def patch_as_in_thesis(
     zone: tuple[float, float],
     contact_size: float = 0.08e-3,
     edge_size: float = 0.5e-3,
-) -> TetBox:
+) -> TetrahedralPatchSizes:
     """Return a contact patch with given dimensions and the cell sizes of Lin's thesis: equal in the whole contact zone.
 
     Parameters
     ----------
     width, depth, zone
-        Dimensions of the patch and its contact zone, as the fields of `TetBox`.
+        Dimensions of the patch and its contact zone, as the fields of `TetrahedralPatchSizes`.
     contact_size : float, default 8e-05
         Edge length in the contact zone, down to a depth of the shorter half width of the zone [m].
     edge_size : float, default 0.0005
@@ -87,55 +87,59 @@ def patch_as_in_thesis(
 
     Returns
     -------
-    TetBox
+    TetrahedralPatchSizes
         Dimensions of the patch, and sizes of its cells.
     """
     across, along = zone[0] * width[0], zone[1] * width[1]
-    return TetBox(width, depth, zone, (across, along, min(across, along)), contact_size, edge_size)
+    return TetrahedralPatchSizes(width, depth, zone, (across, along, min(across, along)), contact_size, edge_size)
 
 
-def mesh_patch_with_tetrahedra(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
+def mesh_patch_with_tetrahedra(
+    sizes: TetrahedralPatchSizes, box_faces: RefinementBoxFaces | None = None
+) -> TetrahedralPatchMesh:
     """Mesh a contact patch, the box of fine cells around a contact, with first-order tetrahedra by gmsh.
 
     Parameters
     ----------
-    box : TetBox
+    sizes : TetrahedralPatchSizes
         Dimensions of the patch, and sizes of its cells.
-    socket : SocketMesh, optional, default None
+    box_faces : RefinementBoxFaces, optional, default None
         Face mesh of the refinement box in the coarse body that the patch fills. Its triangles, each split into four
         first-order ones, bound the patch, so that the patch conforms to a first-order coarse body. None: five plane faces.
 
     Returns
     -------
-    LocalTets
+    TetrahedralPatchMesh
         The mesh of the patch.
 
     Raises
     ------
     ValueError
-        The contact zone does not fit into the patch, or the faces of ``socket`` do not have one open rim.
+        The contact zone does not fit into the patch, or the faces of ``box_faces`` do not have one open rim.
     """
-    if not (0.0 < max(box.zone) < 1.0 and min(box.zone) > 0.0):
+    if not (0.0 < max(sizes.contact_zone_fractions) < 1.0 and min(sizes.contact_zone_fractions) > 0.0):
         raise ValueError(
-            f"the half widths {box.zone} of the contact zone, as fractions of those of the patch, must lie between 0 and 1"
+            f"the half widths {sizes.contact_zone_fractions} of the contact zone, as fractions of those of the patch, "
+            "must lie between 0 and 1"
         )
     begin = perf_counter()
     with gmsh_session(OPTIONS) as gmsh:
         gmsh.model.add("patch")
-        inner, ring = _add_patch_volume(gmsh, box, socket)
-        _set_element_sizes(gmsh, box)
+        inner, ring = _add_patch_volume(gmsh, sizes, box_faces)
+        _set_element_sizes(gmsh, sizes)
         gmsh.model.mesh.generate(3)
-        return _read_patch_mesh(gmsh, box, inner, ring, begin)
+        return _read_patch_mesh(gmsh, sizes, inner, ring, begin)
 
 
-def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
+def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
     """Set gmsh's element sizes: ``box.fine`` in the inner box at the contact, and growing with the distance from it.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
     """
-    across, along, depth = (MM * length for length in box.influence)
+    across, along, depth = (MM * length for length in box.fine_box)
     away = "+".join(f"Max(0,Abs({x})-{half:.17g})^2" for x, half in (("x", across), ("y", depth), ("z", along)))
-    edge = f"Min({MM * box.far:.17g},{MM * box.fine:.17g}+{box.growth:.17g}*Sqrt({away}))"
+    smallest, largest = MM * box.smallest_edge_length, MM * box.largest_edge_length
+    edge = f"Min({largest:.17g},{smallest:.17g}+{box.growth_per_distance:.17g}*Sqrt({away}))"
     field = gmsh.model.mesh.field
     on_faces, within, inside, finest = (field.add(name) for name in ("MathEval", "MathEval", "Restrict", "Min"))
     field.setString(on_faces, "F", edge)
@@ -147,7 +151,7 @@ def _set_element_sizes(gmsh: Any, box: TetBox) -> None:
     field.setAsBackgroundMesh(finest)
 
 
-def _socket_faces(socket: SocketMesh | None) -> tuple[Array, list[list[int]]]:
+def _polygons_of_patch_faces(socket: RefinementBoxFaces | None) -> tuple[Array, list[list[int]]]:
     """Return the polygons that form the faces between a contact patch and the coarse body.
 
     Returns the local coordinates of the corners ``(c, 3)``, and for each polygon the list of the indices of its corners.
@@ -185,15 +189,15 @@ def _corners_around_rim(corners: Array, polygons: list[list[int]]) -> list[int]:
     return loop
 
 
-def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tuple[int, int]:
+def _add_patch_volume(gmsh: Any, box: TetrahedralPatchSizes, socket: RefinementBoxFaces | None) -> tuple[int, int]:
     """Add a contact patch to gmsh's model, as a volume bounded by plane faces.
 
     ``box``: dimensions of the patch; ``socket``: face mesh of the refinement box that it fills, None for five plane faces.
     Returns the numbers of two surfaces at depth 0 in gmsh's model: the contact zone, and the ring around it.
     """
     geo = gmsh.model.geo
-    corners, polygons = _socket_faces(socket)
-    scale = MM * np.array([box.width[0], box.depth, box.width[1]])
+    corners, polygons = _polygons_of_patch_faces(socket)
+    scale = MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]])
     points = {i: geo.addPoint(*(scale * corners[i])) for i in sorted({i for p in polygons for i in p})}
     lines: dict[tuple[int, int], int] = {}
 
@@ -208,7 +212,7 @@ def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tupl
     def add_loop(p: list[int]) -> int:
         return int(geo.addCurveLoop([add_line(i, j) for i, j in zip(p, [*p[1:], p[0]], strict=True)]))
 
-    a, b = scale[0] * box.zone[0], scale[2] * box.zone[1]
+    a, b = scale[0] * box.contact_zone_fractions[0], scale[2] * box.contact_zone_fractions[1]
     square = [geo.addPoint(x, 0.0, z) for x, z in ((-a, -b), (a, -b), (a, b), (-a, b))]
     zone = geo.addCurveLoop([geo.addLine(square[k], square[(k + 1) % 4]) for k in range(4)])
     inner, ring = geo.addPlaneSurface([zone]), geo.addPlaneSurface([add_loop(_corners_around_rim(corners, polygons)), zone])
@@ -218,7 +222,7 @@ def _add_patch_volume(gmsh: Any, box: TetBox, socket: SocketMesh | None) -> tupl
     return inner, ring
 
 
-def _read_patch_mesh(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float) -> LocalTets:
+def _read_patch_mesh(gmsh: Any, box: TetrahedralPatchSizes, inner: int, ring: int, begin: float) -> TetrahedralPatchMesh:
     """Read the mesh of a contact patch from gmsh's model, and convert its nodes to local coordinates.
 
     ``inner``, ``ring``: numbers of the model's surfaces for the contact zone and for the ring around it; ``begin``: time at
@@ -227,7 +231,7 @@ def _read_patch_mesh(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
     index[tags.astype(np.int64)] = np.arange(tags.size)
-    xi = xyz.reshape(-1, 3) / (MM * np.array([box.width[0], box.depth, box.width[1]]))
+    xi = xyz.reshape(-1, 3) / (MM * np.array([box.half_widths[0], box.depth, box.half_widths[1]]))
 
     def cells(kind: int, dimension: int, entity: int = -1) -> Index:
         nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
@@ -237,17 +241,17 @@ def _read_patch_mesh(gmsh: Any, box: TetBox, inner: int, ring: int, begin: float
     contact = np.unique(zone)
     place = np.round(xi[contact], 9)
     contact = contact[np.lexsort((place[:, 2], place[:, 0]))]
-    return LocalTets(xi, tets, np.concatenate([zone, cells(2, 2, ring)]), contact, perf_counter() - begin)
+    return TetrahedralPatchMesh(xi, tets, np.concatenate([zone, cells(2, 2, ring)]), contact, perf_counter() - begin)
 
 
-def signed_volumes(points: Array, tets: Index) -> Array:
+def signed_volumes(points: Array, tetrahedra: Index) -> Array:
     """Compute the volumes of tetrahedra; negative for inverted ones.
 
     Parameters
     ----------
     points : (n, 3) Array
         Coordinates of the nodes [m].
-    tets : (m, 4) Index
+    tetrahedra : (m, 4) Index
         Corner nodes of the tetrahedra.
 
     Returns
@@ -260,7 +264,7 @@ def signed_volumes(points: Array, tets: Index) -> Array:
     >>> signed_volumes(np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 1, 2, 3]])).round(4).tolist()
     [0.1667]
     """
-    corner = points[tets]
+    corner = points[tetrahedra]
     return np.asarray(np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0)
 
 

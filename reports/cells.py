@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from rollbench.reports.content import Cell, Quantity, Table
+from rollbench.reports.content import Cell, Table, TableColumn
 
 #: Number of characters above which a cell's text gets a wide column, and up to which it is kept on one line ("31 SL").
 LONG, SHORT = 90, 9
@@ -35,14 +35,14 @@ def write_csv(table: Table, path: Path) -> None:
         writer.writerows([_format_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
 
 
-def format_cell(value: Cell, form: str = "g4") -> str:
+def format_cell(value: Cell, number_format: str = "g4") -> str:
     """Return the value of a table cell as text for a web page.
 
     Parameters
     ----------
     value
         Value of the cell. ``None`` becomes a dash, a boolean "yes" or "no", and an integer is written with all digits.
-    form
+    number_format
         Number format: ``"g4"`` for four significant digits (or another number after the g), ``"s"`` for text that is not
         changed, or a format specification of Python such as ``".2f"``.
 
@@ -65,12 +65,12 @@ def format_cell(value: Cell, form: str = "g4") -> str:
         return value
     if not math.isfinite(value):
         return "n/a" if math.isnan(value) else "∞" if value > 0.0 else "−∞"
-    if form == "s":
+    if number_format == "s":
         text = str(value)
-    elif re.fullmatch(r"g\d+", form):
-        text = str(value) if isinstance(value, int) else _significant_digits(value, int(form[1:]))
+    elif re.fullmatch(r"g\d+", number_format):
+        text = str(value) if isinstance(value, int) else _significant_digits(value, int(number_format[1:]))
     else:
-        text = format(value, form)
+        text = format(value, number_format)
     if text[:1] in ("-", "+") and not re.search("[1-9]", text):
         text = text[1:]  # a rounded zero has no sign
     return text.replace("-", "−") if "×" not in text else text
@@ -137,7 +137,7 @@ def with_typographic_signs(text: str) -> str:
     return re.sub(r"(?<=\d) ?%", "\xa0%", text)
 
 
-def filled_columns_and_empty_headings(table: Table) -> tuple[list[Quantity], list[str]]:
+def filled_columns_and_empty_headings(table: Table) -> tuple[list[TableColumn], list[str]]:
     """Return the columns of a table that have a value in at least one row, and the headings of its empty columns."""
     empty = [
         c for c in table.columns if table.rows and all(_python_number(row.get(c.key)) in (None, "") for row in table.rows)
@@ -145,7 +145,7 @@ def filled_columns_and_empty_headings(table: Table) -> tuple[list[Quantity], lis
     return [c for c in table.columns if c not in empty], [c.label for c in empty]
 
 
-def is_number(column: Quantity, table: Table) -> bool:
+def is_number_column(column: TableColumn, table: Table) -> bool:
     """Return whether all non-empty cells of a table column are numbers; such a column is right-aligned."""
     if column.format != "s":
         return True
@@ -157,14 +157,14 @@ def is_number(column: Quantity, table: Table) -> bool:
     return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
 
 
-def cell_text_and_classes(column: Quantity, value: Cell, *, number: bool) -> dict[str, str]:
+def cell_text_and_css_classes(column: TableColumn, value: Cell, *, right_aligned: bool) -> dict[str, str]:
     """Return the text of a table cell and its CSS classes: ``align`` for the alignment, ``mark`` for a coloured label.
 
-    Only cells in the columns ``class`` and ``verdict`` have a label. ``number``: whether the column contains numbers, which
-    are right-aligned.
+    Only cells in the columns ``class`` and ``verdict`` have a label. ``right_aligned``: whether the column contains
+    numbers, which are right-aligned.
     """
     text = format_cell(value, column.format)
-    align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
+    align = "num" if right_aligned else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
     if column.key == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")

@@ -24,7 +24,7 @@ Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Quantity:
+class TableColumn:
     """Column of a report's table: the quantity it shows, with heading, unit and number format.
 
     On a web page, the values of columns with the keys ``class`` and ``verdict`` are shown as coloured labels.
@@ -43,7 +43,7 @@ class Quantity:
 
 
 #: Row of a table: the value of each column. A column that holds texts may be given by its heading alone, as a string.
-Row = dict[Quantity | str, Cell]
+Row = dict[TableColumn | str, Cell]
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Table:
     #: Title of the table.
     title: str
     #: Columns: heading, unit and number format of each.
-    columns: Sequence[Quantity]
+    columns: Sequence[TableColumn]
     #: Rows: the value of each column, by the column's key.
     rows: Sequence[Mapping[str, Cell]]
     #: Note printed below the table.
@@ -77,21 +77,31 @@ class Table:
             raise ValueError(f"table {self.name!r}: {got}; give each column a heading of its own")
 
     @classmethod
-    def of(
-        cls, name: str, title: str, rows: Iterable[Mapping[Quantity | str, Cell]], note: str = "", *, unfolded: bool = False
+    def from_rows(
+        cls,
+        name: str,
+        title: str,
+        rows: Iterable[Mapping[TableColumn | str, Cell]],
+        note: str = "",
+        *,
+        unfolded: bool = False,
     ) -> Table:
         """Make a table from rows whose keys are the columns: each key is a `Quantity` or, for texts, a heading.
 
         The columns are in the order in which they first appear in the rows.
         """
-        listed = [{_column_of_heading(q): value for q, value in row.items()} for row in rows]
+        listed = [{_as_table_column(q): value for q, value in row.items()} for row in rows]
         columns = tuple(dict.fromkeys(q for row in listed for q in row))
         return cls(name, title, columns, [{q.key: value for q, value in row.items()} for row in listed], note, unfolded)
 
 
-def _column_of_heading(named: Quantity | str) -> Quantity:
+def _as_table_column(column_or_heading: TableColumn | str) -> TableColumn:
     """Return a table column as a `Quantity`; a plain text becomes the heading of a column of texts."""
-    return Quantity(named, named, format="s") if isinstance(named, str) else named
+    return (
+        TableColumn(column_or_heading, column_or_heading, format="s")
+        if isinstance(column_or_heading, str)
+        else column_or_heading
+    )
 
 
 @dataclass(frozen=True)
@@ -108,17 +118,17 @@ class Series:
     #: of the bins, one more than y), or ``"bars"`` (horizontal bars from zero to x at the heights y).
     style: str = "line+markers"
     #: Upper limit of a band.
-    y2: Sequence[float] | None = None
+    upper_y: Sequence[float] | None = None
     #: Whether the curve is drawn bold.
-    emphasis: bool = False
+    bold: bool = False
     #: Lower and upper ends of the error bars of the points.
-    bars: tuple[Sequence[float], Sequence[float]] | None = None
+    error_bars: tuple[Sequence[float], Sequence[float]] | None = None
     #: Whether the curve is thin and pale and has no entry in the legend.
-    light: bool = False
+    pale: bool = False
     #: Texts written next to the points; the curve then has no entry in the legend.
-    texts: Sequence[str] = ()
+    point_labels: Sequence[str] = ()
     #: Names of the points, which a web page shows when the mouse pointer is on them.
-    names: Sequence[str] = ()
+    point_names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -134,15 +144,15 @@ class Panel:
     #: Curves, bands and bars in the panel.
     series: Sequence[Series]
     #: Which axes are logarithmic: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
-    log: str = ""
+    log_axes: str = ""
     #: Whether the range of the ordinate includes zero.
-    zero: bool = False
+    include_zero: bool = False
     #: Whether the abscissa is labelled at integers only.
     integer_x: bool = False
     #: Names written at 1, 2, 3, ... of the abscissa in place of these numbers.
-    names: Sequence[str] = ()
+    abscissa_names: Sequence[str] = ()
     #: Names written at 1, 2, 3, ... of the ordinate in place of these numbers; the ordinate then points downwards.
-    row_names: Sequence[str] = ()
+    ordinate_names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -166,7 +176,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class SetView:
+class NutOrBearingView:
     """Data of one ball nut or bearing row in one load case, for the 3D view of a page."""
 
     #: Name of the nut or bearing row in the scene file.
@@ -193,19 +203,19 @@ class SetView:
 
 
 @dataclass(frozen=True)
-class CaseView:
+class LoadCaseView:
     """Data of one load case for the 3D view of a scene."""
 
     #: Name of the load case; empty if there is only one.
     name: str
     #: Ball nuts and bearing rows.
-    sets: Sequence[SetView]
+    nuts_and_bearings: Sequence[NutOrBearingView]
     #: Shaft that carries several nuts or bearing rows; None for a single screw or bearing.
     shaft: Assembly | None = None
 
 
 @dataclass(frozen=True)
-class View:
+class SceneView:
     """Data of a web page that shows a solved scene as a 3D model, which the reader can rotate."""
 
     #: Title of the page.
@@ -213,7 +223,7 @@ class View:
     #: Line below the title.
     subtitle: str
     #: Load cases, in the order of ``results``.
-    cases: Sequence[CaseView]
+    load_cases: Sequence[LoadCaseView]
     #: Results as written by the command ``solve --json``.
     results: Mapping[str, Any]
 
@@ -237,7 +247,7 @@ class LoadedScrew:
     #: Caption below the picture.
     caption: str = ""
     #: Page with the same scene as a 3D model that can be rotated; None without such a page.
-    view: View | None = None
+    view: SceneView | None = None
 
 
 @dataclass(frozen=True)
@@ -327,13 +337,13 @@ class PressurePanel:
     #: Ellipse in the plot: x and y of its centre, semi-axes along x and y.
     ellipse: tuple[float, float, float, float]
     #: Text above the plot, such as load and largest pressure.
-    note: str = ""
+    text_above: str = ""
     #: Components (x, y) of arrows at the nodes.
     arrows: tuple[Numbers, Numbers] | None = None
     #: Arrows are drawn only at every ``skip``-th node.
-    skip: int = 1
+    arrow_step: int = 1
     #: Whether each node is marked by a square; None: no node is marked.
-    marked: Sequence[bool] | None = None
+    marked_nodes: Sequence[bool] | None = None
 
 
 @dataclass(frozen=True)
@@ -351,7 +361,7 @@ class PressureMap:
     #: Label of the ordinate, with unit.
     ylabel: str
     #: Label of the colour scale, with unit.
-    label: str
+    colour_label: str
     #: Label of the ellipses in the legend.
     ellipse_label: str = "Hertz"
     #: Label of marked nodes in the legend.

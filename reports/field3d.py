@@ -17,7 +17,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.exchange.mesh_files import VTK
 from rollbench.reports.content import FieldPicture, MeshPart
 from rollbench.reports.figures import COLOURS
-from rollbench.reports.offscreen import draw_in_child, set_camera_and_lights
+from rollbench.reports.offscreen import draw_in_child_process, set_camera_and_lights
 from rollbench.reports.scene3d import SIZE
 
 #: VTK's numbers of the element types.
@@ -46,7 +46,7 @@ def draw_field_picture(picture: FieldPicture, path: str | Path) -> None:
     RuntimeError
         If this machine cannot draw; the message names the cause and the libraries to install.
     """
-    draw_in_child("rollbench.reports.field3d", picture, path)
+    draw_in_child_process("rollbench.reports.field3d", picture, path)
 
 
 def pyvista_grid_of_part(part: MeshPart) -> Any:

@@ -133,7 +133,7 @@ def write_point_labels(axes: Any, series: Sequence[Series]) -> None:
     ``axes``: axes of matplotlib in which the curves ``series`` are already drawn. The range of the abscissa is extended
     until the texts have room.
     """
-    points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
+    points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.point_labels, strict=False) if text]
     if not points:
         return
     spread = [float(x) for s in series for x in s.x]
@@ -166,34 +166,34 @@ def write_point_labels(axes: Any, series: Sequence[Series]) -> None:
 
 
 def _label_positions_in_panel(
-    axes: Any, points: Sequence[tuple[float, float, str]]
+    axes: Any, labelled_points: Sequence[tuple[float, float, str]]
 ) -> tuple[NDArray[np.float64], float, float]:
     """Return the positions (n, 2) of data points within a panel, and the panel's width and height [1/72 inch].
 
-    ``axes``: axes of matplotlib. ``points``: abscissa, ordinate and text of each point. Positions are measured from the
-    panel's lower left corner.
+    ``axes``: axes of matplotlib. ``labelled_points``: abscissa, ordinate and text of each point. Positions are measured
+    from the panel's lower left corner.
     """
     scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
-    place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
+    place = axes.transData.transform([(x, y) for x, y, _ in labelled_points]) - (box.x0, box.y0)
     return scale * place, scale * box.width, scale * box.height
 
 
 def _widen_abscissa_for_labels(
-    axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]
+    axes: Any, label_positions: NDArray[np.float64], label_widths: NDArray[np.float64], is_left: NDArray[np.bool_]
 ) -> None:
     """Extend the range of the abscissa until labels on the left and on the right of the data have room.
 
-    ``axes``: axes of matplotlib. ``at``: positions on the abscissa next to which labels are written. ``room``: width of the
-    labels there. Both are fractions of the panel's width, in arrays of equal length. ``left``: whether the labels are on
-    the left of the position.
+    ``axes``: axes of matplotlib. ``label_positions``: positions on the abscissa next to which labels are written.
+    ``label_widths``: width of the labels there. Both are fractions of the panel's width, in arrays of equal length.
+    ``is_left``: whether the labels are on the left of the position.
     """
     scale = axes.xaxis.get_transform()
     low, high = scale.transform(np.asarray(axes.get_xlim(), float))
-    where = low + at * (high - low)
+    where = low + label_positions * (high - low)
     for _ in range(3):  # repeated, because extending one end reduces the room at the other
-        ends = [(x - share * high) / (1.0 - share) for x, share in zip(where[left], room[left], strict=True)]
+        ends = [(x - share * high) / (1.0 - share) for x, share in zip(where[is_left], label_widths[is_left], strict=True)]
         low = min([low, *ends])
-        ends = [(x - share * low) / (1.0 - share) for x, share in zip(where[~left], room[~left], strict=True)]
+        ends = [(x - share * low) / (1.0 - share) for x, share in zip(where[~is_left], label_widths[~is_left], strict=True)]
         high = max([high, *ends])
     axes.set_xlim(*scale.inverted().transform(np.array([low, high])))
 
@@ -226,8 +226,8 @@ def phone_figure(figure: Figure) -> Figure:
         )
         for panel in figure.panels
     ]
-    rows = max(len(panel.row_names) for panel in panels)
-    names = sum(max((len(name) for name in panel.names), default=0) for panel in panels)
+    rows = max(len(panel.ordinate_names) for panel in panels)
+    names = sum(max((len(name) for name in panel.abscissa_names), default=0) for panel in panels)
     labels = len({series.label for panel in panels for series in panel.series if series.label})
     height = len(panels) * max(2.5, 0.26 * rows) + 0.07 * names + 0.17 * labels + 0.3
     return replace(figure, panels=panels, columns=1, size=(PHONE, height))
@@ -263,10 +263,11 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
         raise ValueError(f"figure {figure.name!r} has {len(figure.panels)} panels; allowed: 1 to {MAX_PANELS}")
     for panel in figure.panels:
         odd = {series.style for series in panel.series} - set(STYLES)
-        if odd or panel.log not in SCALES:
+        if odd or panel.log_axes not in SCALES:
             got = f"unknown curve styles {sorted(odd)}; allowed: {', '.join(STYLES)}" if odd else ""
             faults = (
-                got or f"unknown log {panel.log!r} (which axes are logarithmic); allowed: {', '.join(map(repr, SCALES))}"
+                got
+                or f"unknown log {panel.log_axes!r} (which axes are logarithmic); allowed: {', '.join(map(repr, SCALES))}"
             )
             raise ValueError(f"figure {figure.name!r}, panel {panel.title!r}: {faults}")
     columns = max(1, min(figure.columns, len(figure.panels), 3))
@@ -274,16 +275,20 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
     with report_plot_style(figure.name):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
         svg = FigureCanvasSVG(canvas)
-        orders = _style_number_of_curves(figure.panels)
-        shared = len(figure.panels) > 1 and _same_labels(figure.panels)
+        orders = _style_numbers_of_curves(figure.panels)
+        shared = len(figure.panels) > 1 and _have_equal_curve_labels(figure.panels)
         legends = 0
         narrow = figure.size is not None and figure.size[0] < NARROW
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
             first = canvas.axes[0] if canvas.axes and figure.same_y else None
             axes = canvas.add_subplot(rows, columns, number, sharey=first)
-            _draw_panel(axes, panel, order, steep=narrow or len(panel.names) > LEVEL_NAMES)
+            _draw_panel(axes, panel, order, steep=narrow or len(panel.abscissa_names) > LEVEL_NAMES)
             if not shared:
-                steep = max(map(len, panel.names), default=0) if narrow or len(panel.names) > LEVEL_NAMES else 0
+                steep = (
+                    max(map(len, panel.abscissa_names), default=0)
+                    if narrow or len(panel.abscissa_names) > LEVEL_NAMES
+                    else 0
+                )
                 legends = max(legends, _draw_legend_below(axes, 1 if narrow else 2 if columns > 1 else 3, STEEP * steep))
         if shared:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
@@ -293,7 +298,7 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
                 canvas.legend(handles, labels, loc=place, ncols=count, handlelength=3.2)
                 legends = max(1, math.ceil(len(labels) / count) - 2)
         canvas.set_size_inches(*(figure.size or (_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))))
-        if any(series.texts for panel in figure.panels for series in panel.series):
+        if any(series.point_labels for panel in figure.panels for series in panel.series):
             canvas.draw_without_rendering()  # computes the positions of the axes, which the texts of the points need
             for axes, panel in zip(canvas.axes, figure.panels, strict=True):
                 write_point_labels(axes, panel.series)
@@ -303,7 +308,7 @@ def draw_figure_and_canvas(figure: Figure) -> tuple[str, Canvas]:
     return _svg_for_web_page(stream.getvalue(), figure.name), canvas
 
 
-def draw_map(item: PressureMap) -> str:
+def draw_pressure_map(item: PressureMap) -> str:
     """Return an SVG document with pressure contours of one to four contacts and the contact ellipse of each.
 
     ``item``: pressures and labels of the figure. The contours are embedded as an image, the axes and texts as vector
@@ -324,7 +329,7 @@ def draw_map(item: PressureMap) -> str:
             filled = _draw_contours(axes, panel, levels, item)
             axes.set_xlabel(item.xlabel)
             axes.set_ylabel(item.ylabel)
-        canvas.colorbar(filled, ax=canvas.axes, label=item.label, aspect=14 * rows, pad=0.02)
+        canvas.colorbar(filled, ax=canvas.axes, label=item.colour_label, aspect=14 * rows, pad=0.02)
         legend = {
             name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
         }
@@ -357,13 +362,21 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap=COLOURS)
     filled.set_rasterized(True)
     axes.plot(x, y, ".", markersize=1.6, color="#ffffff", alpha=0.7, rasterized=True)
-    if panel.marked is not None:
-        at = np.asarray(panel.marked, bool)
+    if panel.marked_nodes is not None:
+        at = np.asarray(panel.marked_nodes, bool)
         axes.plot(x[at], y[at], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
     if panel.arrows is not None:
-        u, v = (np.asarray(component, float)[:: panel.skip] for component in panel.arrows)
+        u, v = (np.asarray(component, float)[:: panel.arrow_step] for component in panel.arrows)
         axes.quiver(
-            x[:: panel.skip], y[:: panel.skip], u, v, color="#ffffff", angles="xy", pivot="mid", scale=24.0, width=0.003
+            x[:: panel.arrow_step],
+            y[:: panel.arrow_step],
+            u,
+            v,
+            color="#ffffff",
+            angles="xy",
+            pivot="mid",
+            scale=24.0,
+            width=0.003,
         )
     x0, y0, a, b = panel.ellipse
     around = np.linspace(0.0, 2.0 * np.pi, 181)
@@ -371,13 +384,15 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureM
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.set_facecolor("#eceef1")
-    axes.set_title(panel.title, pad=20 if panel.note else 7)
-    if panel.note:
-        axes.annotate(panel.note, (0.0, 1.0), (0.0, 6.0), xycoords="axes fraction", textcoords="offset points", va="bottom")
+    axes.set_title(panel.title, pad=20 if panel.text_above else 7)
+    if panel.text_above:
+        axes.annotate(
+            panel.text_above, (0.0, 1.0), (0.0, 6.0), xycoords="axes fraction", textcoords="offset points", va="bottom"
+        )
     return filled
 
 
-def _style_number_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
+def _style_numbers_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
     """Return, for each panel, a number for the label of each curve, which determines its colour, marker and line style.
 
     A label that occurs in several panels has the same number in all of them.
@@ -393,70 +408,70 @@ def _style_number_of_curves(panels: Sequence[Panel]) -> list[dict[str, int]]:
     return orders
 
 
-def _same_labels(panels: Sequence[Panel]) -> bool:
+def _have_equal_curve_labels(panels: Sequence[Panel]) -> bool:
     """Return whether the curves of all panels have the same labels, so that one legend is enough."""
     return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
 
 
-def _draw_panel(axes: Any, panel: Panel, order: dict[str, int], *, steep: bool = False) -> None:
+def _draw_panel(axes: Any, panel: Panel, style_numbers: dict[str, int], *, steep: bool = False) -> None:
     """Draw the curves, axis labels and scales of one panel.
 
-    ``axes``: axes of matplotlib. ``order``: number of the colour and marker of each label. ``steep``: whether names along
-    the abscissa are written steeply.
+    ``axes``: axes of matplotlib. ``style_numbers``: number of the colour and marker of each label. ``steep``: whether names
+    along the abscissa are written steeply.
     """
     for series in panel.series:
-        _draw_series(axes, series, order[series.label])
+        _draw_series(axes, series, style_numbers[series.label])
     axes.set_title(panel.title, pad=7)
     axes.set_xlabel(panel.xlabel)
     axes.set_ylabel(panel.ylabel)
     values = {
         "x": np.concatenate([[], *(np.asarray(series.x, float) for series in panel.series)]),
-        "y": np.concatenate([[], *(np.asarray(y, float) for s in panel.series for y in (s.y, *(s.bars or ())))]),
+        "y": np.concatenate([[], *(np.asarray(y, float) for s in panel.series for y in (s.y, *(s.error_bars or ())))]),
     }
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         finite = values[name][np.isfinite(values[name])]
-        if name in panel.log and np.any(finite > 0.0):
+        if name in panel.log_axes and np.any(finite > 0.0):
             _make_axis_logarithmic(axes, axis, name, finite[finite > 0.0])
         else:
             formatter = ScalarFormatter(useOffset=False)
             formatter.set_powerlimits((-4, 6))
             axis.set_major_formatter(formatter)
-    if panel.integer_x and "x" not in panel.log:
+    if panel.integer_x and "x" not in panel.log_axes:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    if panel.names:
+    if panel.abscissa_names:
         axes.set_xticks(
-            range(1, len(panel.names) + 1),
-            panel.names,
+            range(1, len(panel.abscissa_names) + 1),
+            panel.abscissa_names,
             rotation=60.0 if steep else 20.0,
             ha="right",
             rotation_mode="anchor",
         )
-    if panel.row_names:
-        axes.set_yticks(range(1, len(panel.row_names) + 1), panel.row_names)
-        axes.set_ylim(len(panel.row_names) + 0.6, 0.4)
+    if panel.ordinate_names:
+        axes.set_yticks(range(1, len(panel.ordinate_names) + 1), panel.ordinate_names)
+        axes.set_ylim(len(panel.ordinate_names) + 0.6, 0.4)
         axes.grid(visible=False, axis="y")
-    if panel.zero and "y" not in panel.log:
+    if panel.include_zero and "y" not in panel.log_axes:
         _extend_ordinate_to_zero(axes, values["y"])
     if not np.any(np.isfinite(values["y"])):
         axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center", color=_FRAME)
 
 
-def _draw_series(axes: Any, series: Series, number: int) -> None:
+def _draw_series(axes: Any, series: Series, style_number: int) -> None:
     """Draw one curve, band, histogram or bar chart with the colour, marker and line style of its number.
 
     ``axes``: axes of matplotlib. Raises ValueError if the number of texts, names or error bars differs from the number of
     points.
     """
-    bars = zip(("lower error bars", "upper error bars"), series.bars or (), strict=False)
-    for what, values in (("texts", series.texts), ("names", series.names), *bars):
+    bars = zip(("lower error bars", "upper error bars"), series.error_bars or (), strict=False)
+    for what, values in (("texts", series.point_labels), ("names", series.point_names), *bars):
         if len(values) not in (0, len(series.x)):
             allowed = f"one for each of the {len(series.x)} points"
             raise ValueError(f"curve {series.label!r} has {len(values)} {what}; allowed: {allowed}")
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
-    colour = PALETTE[number % len(PALETTE)]
-    marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]
-    label = "_nolegend_" if series.light or series.texts or not series.label else series.label
-    if series.light:
+    colour = PALETTE[style_number % len(PALETTE)]
+    marker = MARKERS[(style_number + style_number // len(PALETTE)) % len(MARKERS)]
+    label = "_nolegend_" if series.pale or series.point_labels or not series.label else series.label
+    if series.pale:
         drawn: dict[str, Any] = {"linewidth": 0.8} if series.style == "line" else {"linestyle": "none", "marker": "."}
         axes.plot(x, y, markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8, **drawn)
         return
@@ -468,13 +483,13 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
         axes.barh(y, x, height=0.62, color=colour, alpha=0.8, label=label, zorder=2.0)
         return
     if series.style == "band":
-        upper = np.asarray(series.y2, float)
+        upper = np.asarray(series.upper_y, float)
         axes.fill_between(x, y, upper, color=colour, alpha=0.20, linewidth=0.0, label=label, zorder=1.5)
         axes.plot(x, y, color=colour, linewidth=0.5, alpha=0.6)
         axes.plot(x, upper, color=colour, linewidth=0.5, alpha=0.6)
         return
-    if series.bars is not None:
-        low, high = (np.asarray(ends, float) for ends in series.bars)
+    if series.error_bars is not None:
+        low, high = (np.asarray(ends, float) for ends in series.error_bars)
         axes.vlines(x, low, high, color=colour, linewidth=1.1, alpha=0.7, zorder=2.2)
     many = len(x) > 40
     axes.plot(
@@ -482,14 +497,14 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
         y,
         label=label,
         color=colour,
-        linestyle=DASHES[number % len(DASHES)] if series.style != "markers" else "none",
-        linewidth=2.2 if series.emphasis else 1.2,
+        linestyle=DASHES[style_number % len(DASHES)] if series.style != "markers" else "none",
+        linewidth=2.2 if series.bold else 1.2,
         marker=marker if series.style != "line" else "none",
-        markersize=(3.0 if many and series.style == "markers" else 4.6) * (1.15 if series.emphasis else 1.0),
-        markerfacecolor=colour if series.emphasis else "white",
+        markersize=(3.0 if many and series.style == "markers" else 4.6) * (1.15 if series.bold else 1.0),
+        markerfacecolor=colour if series.bold else "white",
         markeredgewidth=1.0,
         markevery=max(1, len(x) // 24) if many and series.style == "line+markers" else None,
-        zorder=3.0 if series.emphasis else 2.5,
+        zorder=3.0 if series.bold else 2.5,
     )
 
 

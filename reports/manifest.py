@@ -19,7 +19,7 @@ def sha256(data: str | bytes) -> str:
     return hashlib.sha256(data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data).hexdigest()
 
 
-def file_hashes(folder: Path) -> dict[str, str]:
+def hashes_of_report_files(folder: Path) -> dict[str, str]:
     """Return the SHA-256 checksum of every file in a report's folder except the manifest, by the file's relative path."""
     files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != FILE)
     return {p.relative_to(folder).as_posix(): sha256(p.read_bytes()) for p in files}
@@ -27,7 +27,7 @@ def file_hashes(folder: Path) -> dict[str, str]:
 
 def write_manifest(folder: Path, origin: Mapping[str, Any]) -> None:
     """Write the manifest file of a report: ``origin``, which describes its inputs, and the checksums of its files."""
-    text = json.dumps({**origin, "files": file_hashes(folder)}, indent=1, ensure_ascii=False)
+    text = json.dumps({**origin, "files": hashes_of_report_files(folder)}, indent=1, ensure_ascii=False)
     (folder / FILE).write_text(text + "\n", encoding="utf-8", newline="\n")
 
 

@@ -16,14 +16,14 @@ from rollbench.meshes.libraries import PICTURES, apt_command
 
 #: Time after which drawing a picture is aborted [s]; two seconds are usual.
 TIMEOUT = 180.0
-#: Advice in the message of `CannotDraw`.
+#: Advice in the message of `DrawingError`.
 ADVICE = f"install the off-screen OpenGL libraries (Debian: {apt_command(PICTURES)})"
 
 #: Lights of a picture: direction and intensity of each.
 Lights = Sequence[tuple[Array, float]]
 
 
-class CannotDraw(RuntimeError):
+class DrawingError(RuntimeError):
     """Error: a 3D picture could not be drawn. Its message gives the cause and advice."""
 
     def __init__(self, cause: str, advice: str = "") -> None:
@@ -35,7 +35,7 @@ class CannotDraw(RuntimeError):
         self.cause = cause
 
 
-def draw_in_child(module: str, picture: object, path: str | Path) -> None:
+def draw_in_child_process(module: str, picture: object, path: str | Path) -> None:
     """Draw a 3D picture in a child process, by running a module with ``python -m``.
 
     The module reads the picture and the path of the file, pickled, from its standard input. It imports nothing from the
@@ -52,7 +52,7 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
 
     Raises
     ------
-    CannotDraw
+    DrawingError
         If this machine cannot draw; the message names the cause and the libraries to install.
     """
     here = os.getcwd()
@@ -67,18 +67,20 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise CannotDraw(f"drawing took longer than {TIMEOUT:.0f} s and was aborted", ADVICE) from None
+        raise DrawingError(f"drawing took longer than {TIMEOUT:.0f} s and was aborted", ADVICE) from None
     if child.returncode == 0:
         return
     words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
     if child.returncode < 0:
-        raise CannotDraw("this machine has no off-screen OpenGL", ADVICE)
+        raise DrawingError("this machine has no off-screen OpenGL", ADVICE)
     if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
-        raise CannotDraw(f"pyvista cannot be loaded ({words[-1]})", f"install it, and {ADVICE}")
-    raise CannotDraw(words[-1])
+        raise DrawingError(f"pyvista cannot be loaded ({words[-1]})", f"install it, and {ADVICE}")
+    raise DrawingError(words[-1])
 
 
-def set_camera_and_lights(plotter: Any, focus: Array, sight: Array, up: Array, height: float, lights: Lights) -> None:
+def set_camera_and_lights(
+    plotter: Any, focus: Array, toward_viewer: Array, up: Array, height: float, lights: Lights
+) -> None:
     """Set the camera (parallel projection), the lights and the anti-aliasing of a pyvista plotter.
 
     Parameters
@@ -87,7 +89,7 @@ def set_camera_and_lights(plotter: Any, focus: Array, sight: Array, up: Array, h
         Plotter of pyvista that draws the picture.
     focus
         Point in the middle of the picture [mm].
-    sight, up
+    toward_viewer, up
         Unit vectors towards the viewer and upwards in the picture.
     height
         Visible height [mm].
@@ -97,7 +99,7 @@ def set_camera_and_lights(plotter: Any, focus: Array, sight: Array, up: Array, h
     import pyvista
 
     plotter.camera.focal_point = focus
-    plotter.camera.position = focus + 20.0 * height * sight
+    plotter.camera.position = focus + 20.0 * height * toward_viewer
     plotter.camera.up = up
     plotter.enable_parallel_projection()
     plotter.camera.parallel_scale = 0.5 * height
@@ -113,8 +115,8 @@ def reason_drawing_fails() -> str:
     """Draw a test picture, for some seconds, and return the reason if this machine cannot draw; empty if it can."""
     with tempfile.TemporaryDirectory() as folder:
         try:
-            draw_in_child("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")
-        except CannotDraw as error:
+            draw_in_child_process("rollbench.reports.offscreen", None, Path(folder) / "sphere.png")
+        except DrawingError as error:
             return error.cause
     return ""
 

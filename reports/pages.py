@@ -16,9 +16,9 @@ from markupsafe import Markup, escape
 from rollbench.meshes.files import temporary_path
 from rollbench.reports import field3d, figures, scene3d, sketch, view
 from rollbench.reports.cells import (
-    cell_text_and_classes,
+    cell_text_and_css_classes,
     filled_columns_and_empty_headings,
-    is_number,
+    is_number_column,
     replace_um_by_micrometre,
     with_typographic_signs,
     write_csv,
@@ -69,23 +69,23 @@ Item = Text | Table | Figure | Sketch | LoadedScrew | FieldPicture | PressureMap
 
 
 @dataclass
-class _Writer:
+class _ReportWriter:
     """Data that the functions share while they write a report: its folder, link targets, and search index."""
 
     #: Folder of the report.
     folder: Path
     #: Function that is called with each line of progress.
-    say: Progress
+    show_progress: Progress
     #: Link target of each table, figure and section, by its name.
-    places: dict[str, str]
+    link_targets: dict[str, str]
     #: Entries of the search index, collected page by page.
-    entries: list[dict[str, str]] = field(default_factory=list)
+    search_entries: list[dict[str, str]] = field(default_factory=list)
 
-    def with_links(self, text: str) -> Markup:
+    def html_with_links(self, text: str) -> Markup:
         """Return a text as HTML, in which references such as "table NAME" or "figure NAME" are links."""
 
         def link_reference(found: re.Match[str]) -> str:
-            place = self.places.get(found[2])
+            place = self.link_targets.get(found[2])
             return found[0] if place is None else f'{found[1]} <a href="{place}">{found[2]}</a>'
 
         return Markup(_NAMED.sub(link_reference, str(escape(with_typographic_signs(text)))))
@@ -97,7 +97,7 @@ def load_templates() -> Environment:
     return Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
 
 
-def write_pages(report: Report, folder: Path, say: Progress) -> None:
+def write_pages(report: Report, folder: Path, show_progress: Progress) -> None:
     """Write all files of a report: pages, tables, figures, search index, and manifest.
 
     Parameters
@@ -106,15 +106,15 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         Contents of the report.
     folder
         Existing folder with the subfolders ``tables`` and ``figures``.
-    say
+    show_progress
         Function that is called with each line of progress.
     """
     environment = load_templates()
-    writer = _Writer(folder, say, _link_targets(report))
+    writer = _ReportWriter(folder, show_progress, _link_targets(report))
     environment.filters.update(
-        typeset=with_typographic_signs, linked=writer.with_links, place=lambda name: writer.places.get(name, "")
+        typeset=with_typographic_signs, linked=writer.html_with_links, place=lambda name: writer.link_targets.get(name, "")
     )
-    pages = [_render_page(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
+    pages = [_page_template_data(page, number, len(report.pages), writer) for number, page in enumerate(report.pages, 1)]
     common = {"report": report, "pages": pages, "marker": Markup(MARKER)}
     turns = zip(pages, [None, *pages[:-1]], [*pages[1:], None], strict=True)
     for page, before, after in turns:
@@ -124,10 +124,10 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
             folder / page["file"], environment.get_template("page.html.j2").render(**common, **of_page, heading=heading)
         )
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _render_summary(summary, writer)
+    first = None if summary is None else _summary_template_data(summary, writer)
     text = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write_text(folder / "index.html", text)
-    lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
+    lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.search_entries)
     _write_text(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
     if report.origin:
         write_manifest(folder, report.origin)
@@ -140,11 +140,11 @@ def _link_targets(report: Report) -> dict[str, str]:
         for section in page.sections:
             found[section.name] = f"{page.name}.html#section-{section.name}"
             named = (item for item in section.items if not isinstance(item, Text))
-            found |= {item.name: f"{page.name}.html#{_anchor_kind(item)}-{item.name}" for item in named}
+            found |= {item.name: f"{page.name}.html#{_html_anchor_prefix(item)}-{item.name}" for item in named}
     return found
 
 
-def _anchor_kind(item: Item) -> str:
+def _html_anchor_prefix(item: Item) -> str:
     """Return "table" or "figure", the word with which the HTML anchor of this item of a section begins."""
     return "table" if isinstance(item, Table) else "figure"
 
@@ -154,34 +154,34 @@ def _write_text(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _render_page(page: Page, number: int, total: int, writer: _Writer) -> dict[str, Any]:
+def _page_template_data(page: Page, number: int, total: int, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of one page to files, and return the data for the page's HTML template.
 
     ``number``, ``total``: number of the page, from 1, and number of pages, for the line of progress. Entries of the search
     index are added to ``writer``.
     """
-    writer.say(f"report: [{number}/{total}] {page.title}")
+    writer.show_progress(f"report: [{number}/{total}] {page.title}")
     file = f"{page.name}.html"
-    sections = [_render_section(section, file, writer) for section in page.sections]
-    writer.entries.insert(0, _search_index_entry(page.title, file, "page", page.conclusion))
-    heading, rest = split_headline(page.conclusion, page.title)
+    sections = [_section_template_data(section, file, writer) for section in page.sections]
+    writer.search_entries.insert(0, _search_index_entry(page.title, file, "page", page.conclusion))
+    heading, rest = split_conclusion_into_heading(page.conclusion, page.title)
     for one in sections:
         shown = "" if one["conclusion"] == page.conclusion else one["conclusion"]
-        one["heading"], one["conclusion"] = split_headline(shown, one["title"])
+        one["heading"], one["conclusion"] = split_conclusion_into_heading(shown, one["title"])
     data = {"name": page.name, "title": page.title, "heading": heading, "conclusion": rest}
     return data | {"file": file, "sections": sections, "statement": page.conclusion}
 
 
-def split_headline(conclusion: str, title: str) -> tuple[str, str]:
+def split_conclusion_into_heading(conclusion: str, title: str) -> tuple[str, str]:
     """Split the conclusion of a page or section into a heading and the remaining sentences; return both.
 
     The heading is the first sentence of the conclusion. If that is empty or too long, the heading is the title.
 
     Examples
     --------
-    >>> split_headline("All 174 scenes are solved. The other method solves 145.", "Stability")
+    >>> split_conclusion_into_heading("All 174 scenes are solved. The other method solves 145.", "Stability")
     ('All 174 scenes are solved', 'The other method solves 145.')
-    >>> split_headline("", "Stability")
+    >>> split_conclusion_into_heading("", "Stability")
     ('Stability', '')
     """
     first, *rest = re.split(r"(?<=[^A-Z]{2})\. (?=[A-Z])", conclusion.removesuffix("."), maxsplit=1)
@@ -190,19 +190,21 @@ def split_headline(conclusion: str, title: str) -> tuple[str, str]:
     return first, f"{rest[0]}." if rest else ""
 
 
-def _render_section(section: Section, file: str, writer: _Writer) -> dict[str, Any]:
+def _section_template_data(section: Section, file: str, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of one section to files, and return the section's data for its page's HTML template.
 
     ``file``: file name of the page. Entries of the search index are added to ``writer``.
     """
-    items = [_render_item(item, file, writer) for item in section.items]
+    items = [_item_template_data(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
-    writer.entries.append(_search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words)))
+    writer.search_entries.append(
+        _search_index_entry(section.title, f"{file}#section-{section.name}", "section", " ".join(words))
+    )
     for item in items:
         if item["kind"] != "text":
             record = item[item["kind"]]
             under = f"{item['kind']} {record.name}, {section.title}"
-            writer.entries.append(
+            writer.search_entries.append(
                 _search_index_entry(record.title, f"{file}#{item['kind']}-{record.name}", under, _searchable_text(record))
             )
     return {"name": section.name, "title": section.title, "conclusion": section.conclusion, "items": items}
@@ -232,21 +234,21 @@ def _searchable_text(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _render_summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
+def _summary_template_data(summary: Summary, writer: _ReportWriter) -> dict[str, Any]:
     """Write the figures and tables of the report's first page to files, and return the data for its HTML template.
 
     The data contain the summary's figure twice, for wide and for narrow screens.
     """
     wide, narrow = figures.draw_figure(summary.figure), figures.draw_figure(summary.narrow)
     _write_text(writer.folder / "figures" / f"{summary.figure.name}.svg", wide)
-    writer.entries.insert(
+    writer.search_entries.insert(
         0, _search_index_entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits)))
     )
-    items = [_render_item(item, "index.html", writer) for item in summary.items]
-    return {"record": summary, "items": items, "wide": inline_svg(wide), "narrow": inline_svg(narrow)}
+    items = [_item_template_data(item, "index.html", writer) for item in summary.items]
+    return {"record": summary, "items": items, "wide": svg_as_html_element(wide), "narrow": svg_as_html_element(narrow)}
 
 
-def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
+def _item_template_data(item: Item, page: str, writer: _ReportWriter) -> dict[str, Any]:
     """Write one table or figure to its files, and return its data for the HTML template; a text needs no file.
 
     ``page``: file name of the page that contains the item. ``writer``: has the folder of the report.
@@ -265,16 +267,21 @@ def _render_item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
         elif isinstance(item, Figure):
             svg, narrow = figures.draw_figure(item), figures.draw_figure(figures.phone_figure(item))
         else:
-            svg, narrow = figures.draw_map(item), figures.draw_map(replace(item, columns=1, width=figures.PHONE))
+            svg, narrow = (
+                figures.draw_pressure_map(item),
+                figures.draw_pressure_map(replace(item, columns=1, width=figures.PHONE)),
+            )
         if narrow:
             view["narrow"] = f"{name}-narrow.svg"
             _write_text(writer.folder / view["narrow"], narrow)
         _write_text(writer.folder / f"{name}.svg", svg)
-        return {**view, "file": f"{name}.svg", "drawing": inline_svg(svg)}
-    return view | _render_picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
+        return {**view, "file": f"{name}.svg", "drawing": svg_as_html_element(svg)}
+    return view | _picture_template_data(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
-def _render_picture(item: LoadedScrew | FieldPicture, name: str, back_link: str, writer: _Writer) -> dict[str, Any]:
+def _picture_template_data(
+    item: LoadedScrew | FieldPicture, name: str, back_link: str, writer: _ReportWriter
+) -> dict[str, Any]:
     """Write a 3D picture to the file ``name``, and return its data for the HTML template.
 
     ``back_link``: link from the picture's own 3D page to the report. ``writer``: has the folder of the report. If the
@@ -288,7 +295,7 @@ def _render_picture(item: LoadedScrew | FieldPicture, name: str, back_link: str,
             field3d.draw_field_picture(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
-        writer.say(f"WARNING: the report lacks the picture {item.name!r}. {error}")
+        writer.show_progress(f"WARNING: the report lacks the picture {item.name!r}. {error}")
         return {"missing": str(error)}
     turned = None
     if isinstance(item, LoadedScrew) and item.view is not None:
@@ -297,7 +304,7 @@ def _render_picture(item: LoadedScrew | FieldPicture, name: str, back_link: str,
     return {"file": name, "image": name, "turned": turned}
 
 
-def inline_svg(svg: str) -> Markup:
+def svg_as_html_element(svg: str) -> Markup:
     """Return an SVG document as an HTML element, without XML header, metadata and title.
 
     The colours of lines, background and curves are replaced by CSS variables of the page, which change in dark mode.
@@ -317,13 +324,16 @@ def table_template_data(table: Table, folder: Path) -> dict[str, Any]:
     write_csv(table, folder / "tables" / f"{table.name}.csv")
     shown, empty = filled_columns_and_empty_headings(table)
     shown = [c for c in shown if c.key != HOW and c.key not in table.csv_only]
-    numbers = [is_number(column, table) for column in shown]
+    numbers = [is_number_column(column, table) for column in shown]
     heads: Sequence[dict[str, str]] = [
         {"label": c.label, "unit": c.unit, "align": "num" if number else "text"}
         for c, number in zip(shown, numbers, strict=True)
     ]
     cells = [
-        [cell_text_and_classes(c, row.get(c.key), number=number) for c, number in zip(shown, numbers, strict=True)]
+        [
+            cell_text_and_css_classes(c, row.get(c.key), right_aligned=number)
+            for c, number in zip(shown, numbers, strict=True)
+        ]
         for row in table.rows
     ]
     for row, record in zip(cells, table.rows, strict=True):
@@ -369,21 +379,21 @@ def write_report(report: Report, out: Path, progress: Progress | None = None) ->
         If ``out`` contains other files or cannot be replaced, if a name in the report is not a valid file name or occurs
         twice, or if the data of a figure are inconsistent.
     """
-    _check_names(report)
+    _check_report_names(report)
 
     def fill_folder(folder: Path) -> None:
         for name in ("tables", "figures"):
             (folder / name).mkdir()
         write_pages(report, folder, progress or (lambda _: None))
 
-    return replace_folder(out, fill_folder) / "index.html"
+    return replace_report_folder(out, fill_folder) / "index.html"
 
 
-def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
-    """Replace the folder of a report by a new one that ``make`` fills; return its path.
+def replace_report_folder(out: Path, fill_folder: Callable[[Path], None]) -> Path:
+    """Replace the folder of a report by a new one that ``fill_folder`` fills; return its path.
 
-    If ``make`` fails, the old folder is unchanged. Raises ValueError if the folder contains files of other origin (see
-    `check_report_folder`) or cannot be replaced.
+    If ``fill_folder`` fails, the old folder is unchanged. Raises ValueError if the folder contains files of other origin
+    (see `check_report_folder`) or cannot be replaced.
     """
     out = Path(out).resolve()
     check_report_folder(out)
@@ -391,7 +401,7 @@ def replace_folder(out: Path, make: Callable[[Path], None]) -> Path:
     fresh = temporary_path(out, "new")
     try:
         fresh.mkdir()
-        make(fresh)
+        fill_folder(fresh)
         _swap_folders(fresh, out)
     finally:
         shutil.rmtree(fresh, ignore_errors=True)
@@ -425,7 +435,7 @@ def _is_report_file(entry: Path) -> bool:
     )
 
 
-def _check_names(report: Report) -> None:
+def _check_report_names(report: Report) -> None:
     """Raise ValueError if a name in a report occurs twice or cannot be part of a file name or link."""
     seen: set[tuple[str, str]] = {("page", "index")}
     for page in report.pages:

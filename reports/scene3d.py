@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import LoadedScrew
-from rollbench.reports.offscreen import draw_in_child, set_camera_and_lights
+from rollbench.reports.offscreen import draw_in_child_process, set_camera_and_lights
 
 #: Width and height of a picture [pixels].
 SIZE = (1600, 900)
@@ -50,11 +50,11 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
     RuntimeError
         If this machine cannot draw; the message names the cause and the libraries to install.
     """
-    draw_in_child("rollbench.reports.scene3d", picture, path)
+    draw_in_child_process("rollbench.reports.scene3d", picture, path)
 
 
 @dataclass(frozen=True)
-class _Grooves:
+class _DrawnGrooves:
     """Gothic-arch grooves of a screw and its nut as they are drawn, on the helices ``z = level + slope * (phi - phase)``.
 
     Each start of the screw is one helix; phi is the azimuth [rad].
@@ -63,64 +63,68 @@ class _Grooves:
     #: Pitch radius of the ball track [m].
     track_radius: float
     #: Groove radius: radius of the two arcs of the gothic arch [m].
-    radius: float
+    groove_radius: float
     #: Distance of the centres of these arcs from the ball track [m].
-    offset: float
+    arc_centre_offset: float
     #: Axial advance of the helix per angle [m/rad].
-    slope: float
+    advance_per_radian: float
     #: Azimuth of each start [rad].
-    phases: Array
+    start_azimuths: Array
     #: Axial distance between neighbouring grooves [m].
-    pitch: float
+    groove_spacing: float
     #: Axial position of the helix at phase zero [m].
-    level: float
+    axial_offset: float
 
     def depth(self, phi: Array, z: Array) -> Array:
         """Return the depth of the groove below or above the pitch radius [m] at azimuth phi [rad] and position z [m].
 
         It is nan outside the groove.
         """
-        path = self.level + self.slope * (phi[..., None] - self.phases)
+        path = self.axial_offset + self.advance_per_radian * (phi[..., None] - self.start_azimuths)
         away = z[..., None] - path
-        if self.pitch > 0.0:
-            away = (away + 0.5 * self.pitch) % self.pitch - 0.5 * self.pitch
-        lead_angle = np.arctan(abs(self.slope) / self.track_radius)
-        reach = np.min(np.abs(away), axis=-1) * np.cos(lead_angle) + self.offset
-        half: Array = np.sqrt(np.where(reach < self.radius, self.radius**2 - reach**2, np.nan)) - self.offset
+        if self.groove_spacing > 0.0:
+            away = (away + 0.5 * self.groove_spacing) % self.groove_spacing - 0.5 * self.groove_spacing
+        lead_angle = np.arctan(abs(self.advance_per_radian) / self.track_radius)
+        reach = np.min(np.abs(away), axis=-1) * np.cos(lead_angle) + self.arc_centre_offset
+        half: Array = (
+            np.sqrt(np.where(reach < self.groove_radius, self.groove_radius**2 - reach**2, np.nan)) - self.arc_centre_offset
+        )
         return half
 
-    def surface(self, phi: Array, z: Array, land: float) -> Array:
+    def surface(self, phi: Array, z: Array, land_radius: float) -> Array:
         """Return the radius [m] of the grooved surface at azimuth phi [rad] and axial position z [m].
 
-        ``land``: radius between the grooves [m]. The surface is that of the screw if this radius is smaller than the pitch
-        radius, and that of the nut otherwise.
+        ``land_radius``: radius between the grooves [m]. The surface is that of the screw if this radius is smaller than the
+        pitch radius, and that of the nut otherwise.
         """
         depth = self.depth(phi, z)
-        if land < self.track_radius:
-            return np.fmin(land, self.track_radius - depth)
-        return np.fmax(land, self.track_radius + depth)
+        if land_radius < self.track_radius:
+            return np.fmin(land_radius, self.track_radius - depth)
+        return np.fmax(land_radius, self.track_radius + depth)
 
 
-def _drawn_grooves(scene: Scene) -> _Grooves:
+def _drawn_grooves(scene: Scene) -> _DrawnGrooves:
     """Return the grooves of a scene, for drawing, as gothic arches that touch the balls at a contact angle of 45°."""
     track, radius = scene.track, scene.screw.groove_radius
     phases = track.phase + 2.0 * np.pi * np.arange(track.starts) / track.starts
     offset = (radius - drawn_ball_radius(scene)) * np.sqrt(0.5)
-    return _Grooves(track.pitch_radius, radius, offset, lead_per_radian(track), phases, track.lead, scene.nut.position)
+    return _DrawnGrooves(track.pitch_radius, radius, offset, lead_per_radian(track), phases, track.lead, scene.nut.position)
 
 
 def drawn_ball_radius(scene: Scene) -> float:
     """Return the radius [m] with which all balls are drawn: that of the largest ball of the scene."""
-    return float(draw_specimen(scene, ball_layout(scene)).ball_radius.max())
+    return float(draw_geometry_with_errors(scene, ball_layout(scene)).ball_radii.max())
 
 
-def _grooved_cylinder_grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
+def _grooved_cylinder_grid(
+    grooves: _DrawnGrooves, phi: Array, ends: tuple[float, float], step: float
+) -> tuple[Array, Array]:
     """Return azimuths [rad] and axial positions [m] of the grid points on a grooved cylinder, each (rows, columns).
 
     The grid lines follow the helix of the groove, so that its edges are sharp. ``phi``: azimuths of the rows [rad].
     ``ends``: axial range [m]. ``step``: axial distance of the grid lines [m].
     """
-    rise = grooves.slope * (phi - phi[0])
+    rise = grooves.advance_per_radian * (phi - phi[0])
     low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
     lines = np.linspace(low, high, max(2, round((high - low) / step)))
     z = np.clip(lines[None, :] + rise[:, None], *ends)
@@ -134,11 +138,11 @@ def _pyvista_mesh_of_surface(grid: Grid) -> Any:
     """
     import pyvista
 
-    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in to_cartesian(grid)))
+    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(1e3 * x)[..., None] for x in cylindrical_to_cartesian(grid)))
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 
-def to_cartesian(grid: Grid) -> tuple[Array, Array, Array]:
+def cylindrical_to_cartesian(grid: Grid) -> tuple[Array, Array, Array]:
     """Return x, y, z [m] of surface points that are given by radius [m], azimuth [rad] and axial position [m]."""
     radius, phi, z = grid
     return radius * np.cos(phi), radius * np.sin(phi), z
@@ -206,21 +210,21 @@ def viewer_and_upward_vectors() -> tuple[Array, Array]:
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
 
-def view_direction() -> Array:
+def direction_to_viewer() -> Array:
     """Return the unit vector from the nut to the viewer: from the open side, slightly above and to the right."""
     outward, upward = viewer_and_upward_vectors()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
 
 
-def surfaces_by_colour(scene: Scene, coarsening: float, reach: float) -> dict[str, list[Grid]]:
+def screw_and_nut_surfaces_by_colour(scene: Scene, coarsening: float, length_beyond_nut: float) -> dict[str, list[Grid]]:
     """Return the surfaces of the screw, of the opened nut and of the nut's cut faces, by their colour.
 
-    ``coarsening``: step of the grid, as a multiple of the step used in a picture. ``reach``: length of screw that is drawn
-    on each side of the nut's centre, in nut lengths.
+    ``coarsening``: step of the grid, as a multiple of the step used in a picture. ``length_beyond_nut``: length of screw
+    that is drawn on each side of the nut's centre, in nut lengths.
     """
     body, cuts = _opened_nut_surfaces(scene, coarsening)
-    return {STEEL: _screw_surfaces_near_nut(scene, coarsening, reach), _NUT: body, _CUT: cuts}
+    return {STEEL: _screw_surfaces_near_nut(scene, coarsening, length_beyond_nut), _NUT: body, _CUT: cuts}
 
 
 def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
@@ -233,7 +237,7 @@ def _write_loaded_screw_picture(picture: LoadedScrew, path: str) -> None:
     steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
     # In a parallel projection, a shift along the line of sight does not change the image of a body. The screw is moved
     # back by the length of an arrow, so that it does not hide the arrows of the forces that it exerts.
-    behind = -1e3 * _ARROW * drawn_ball_radius(picture.scene) * view_direction()
+    behind = -1e3 * _ARROW * drawn_ball_radius(picture.scene) * direction_to_viewer()
     for grid in _screw_surfaces_near_nut(picture.scene):
         plotter.add_mesh(_pyvista_mesh_of_surface(grid).translate(behind), color=STEEL, **steel)
     body, cuts = _opened_nut_surfaces(picture.scene)
@@ -352,7 +356,12 @@ def _set_camera_and_axes(plotter: Any, picture: LoadedScrew) -> None:
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
     set_camera_and_lights(
-        plotter, focus, view_direction(), upward, 1.32 * extent, ((above, 0.75), (view_direction(), 0.3), (beside, 0.3))
+        plotter,
+        focus,
+        direction_to_viewer(),
+        upward,
+        1.32 * extent,
+        ((above, 0.75), (direction_to_viewer(), 0.3), (beside, 0.3)),
     )
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
 

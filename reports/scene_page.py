@@ -20,9 +20,9 @@ from markupsafe import Markup
 
 from rollbench.reports import figures, scene3d, sketch
 from rollbench.reports.cells import format_cell, with_typographic_signs
-from rollbench.reports.content import Figure, LoadedScrew, Section, Sketch, Table, View
+from rollbench.reports.content import Figure, LoadedScrew, SceneView, Section, Sketch, Table
 from rollbench.reports.manifest import is_mapping_of_texts, parse_json, sha256
-from rollbench.reports.pages import inline_svg, load_templates
+from rollbench.reports.pages import load_templates, svg_as_html_element
 from rollbench.reports.view import MARKER, viewer_elements_html
 
 #: HTML identifiers of the script elements in which a page contains data.
@@ -56,7 +56,7 @@ class ScenePage:
     #: Warnings, which are printed when the page is written and are listed among its assumptions.
     warnings: Sequence[str] = ()
     #: Interactive 3D view of the same results; None for a page without one.
-    view: View | None = None
+    view: SceneView | None = None
     #: Link target of each label of ``answers`` that is a link.
     links: Mapping[str, str] = field(default_factory=dict)
     #: Table below the results.
@@ -82,7 +82,7 @@ def results_hash(results: Mapping[str, Any]) -> str:
     return sha256(json.dumps(results, sort_keys=True))
 
 
-def render_page(page: ScenePage) -> str:
+def scene_page_html(page: ScenePage) -> str:
     """Return the page of a scene as HTML, with its manifest; raise ValueError if the data of a figure are inconsistent."""
     environment = load_templates()
     environment.finalize = lambda value: value if isinstance(value, Markup) else with_typographic_signs(str(value))
@@ -127,7 +127,7 @@ def _json_for_script(data: Any) -> Markup:
 
 def _svg_of_item(item: Figure | Sketch) -> Markup:
     """Return a figure or sketch as an SVG element for the HTML page."""
-    return Markup(inline_svg(sketch.draw_sketch(item) if isinstance(item, Sketch) else figures.draw_figure(item)))
+    return Markup(svg_as_html_element(sketch.draw_sketch(item) if isinstance(item, Sketch) else figures.draw_figure(item)))
 
 
 def _picture_as_base64(item: LoadedScrew | None) -> tuple[str, str]:

@@ -26,44 +26,44 @@ KILO, MICRO = 1e3, 1e-6
 
 
 @dataclass(frozen=True)
-class _Scale:
+class _DrawingScale:
     """Scale of the drawing: converts axial positions and radii [m] to pixels."""
 
     #: Axial position at which the part drawn to scale begins [m].
-    low: float
+    to_scale_start: float
     #: Axial position at which the part drawn to scale ends [m].
-    high: float
+    to_scale_end: float
     #: Length of the shaft [m].
-    length: float
+    shaft_length: float
     #: Abscissa of the axial position ``low`` in the drawing [pixels].
-    left: float
+    start_abscissa: float
     #: Pixels per metre.
-    per_metre: float
+    pixels_per_metre: float
     #: Ordinate of the shaft's axis in the drawing [pixels].
-    middle: float
+    axis_ordinate: float
 
-    def x(self, station: float) -> float:
+    def abscissa(self, station: float) -> float:
         """Return the abscissa in the drawing [pixels] of an axial position ``station`` [m] on the shaft."""
-        if station < self.low:
-            share = (self.low - station) / max(self.low, 1e-12)
-            return self.left - share * self._end(self.low)
-        right = self.left + self.per_metre * (self.high - self.low)
-        if station > self.high:
-            beyond = self.length - self.high
-            return right + (station - self.high) / max(beyond, 1e-12) * self._end(beyond)
-        return self.left + self.per_metre * (station - self.low)
+        if station < self.to_scale_start:
+            share = (self.to_scale_start - station) / max(self.to_scale_start, 1e-12)
+            return self.start_abscissa - share * self._drawn_end_length(self.to_scale_start)
+        right = self.start_abscissa + self.pixels_per_metre * (self.to_scale_end - self.to_scale_start)
+        if station > self.to_scale_end:
+            beyond = self.shaft_length - self.to_scale_end
+            return right + (station - self.to_scale_end) / max(beyond, 1e-12) * self._drawn_end_length(beyond)
+        return self.start_abscissa + self.pixels_per_metre * (station - self.to_scale_start)
 
-    def y(self, radius: float) -> float:
+    def ordinate(self, radius: float) -> float:
         """Return the ordinate in the drawing [pixels] of a point at the height ``radius`` [m] above the shaft's axis."""
-        return self.middle - self.per_metre * radius
+        return self.axis_ordinate - self.pixels_per_metre * radius
 
-    def _end(self, length: float) -> float:
+    def _drawn_end_length(self, length: float) -> float:
         """Return the length [pixels] with which a shaft end of this length [m] is drawn, at most `END`."""
-        return min(self.per_metre * length, END)
+        return min(self.pixels_per_metre * length, END)
 
-    def cut(self, length: float) -> bool:
+    def is_end_shortened(self, length: float) -> bool:
         """Return whether a shaft end of this length [m] is drawn shortened, with a break line."""
-        return self.per_metre * length > END
+        return self.pixels_per_metre * length > END
 
 
 def draw_sketch(sketch: Sketch) -> str:
@@ -71,7 +71,7 @@ def draw_sketch(sketch: Sketch) -> str:
     scene = sketch.scene
     scale = _drawing_scale(scene)
     high = TALL / 2.0
-    below = scale.middle + high + 26.0
+    below = scale.axis_ordinate + high + 26.0
     parts = [
         *_draw_shaft(scene, scale),
         *_draw_nut(scene, scale),
@@ -87,7 +87,7 @@ def draw_sketch(sketch: Sketch) -> str:
     return "\n".join([head, *parts, "</svg>"]) + "\n"
 
 
-def _drawing_scale(scene: Scene) -> _Scale:
+def _drawing_scale(scene: Scene) -> _DrawingScale:
     """Return the scale at which a screw or bearing fits into the drawing."""
     low, high = nut_face_positions(scene)
     room = BEYOND * (high - low)
@@ -96,7 +96,7 @@ def _drawing_scale(scene: Scene) -> _Scale:
     free = WIDTH - 2.0 * (SIDE + END)
     per_metre = min(free / (ends[1] - ends[0]), TALL / tallest)
     left = (WIDTH - per_metre * (ends[1] - ends[0])) / 2.0
-    return _Scale(*ends, scene.screw.length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
+    return _DrawingScale(*ends, scene.screw.length, left, per_metre, 2.2 * TEXT + 30.0 + TALL / 2.0)
 
 
 def nut_face_positions(scene: Scene) -> tuple[float, float]:
@@ -104,20 +104,20 @@ def nut_face_positions(scene: Scene) -> tuple[float, float]:
     return scene.nut.position - scene.nut.length / 2.0, scene.nut.position + scene.nut.length / 2.0
 
 
-def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_shaft(scene: Scene, scale: _DrawingScale) -> Iterator[str]:
     """Yield the SVG elements of the shaft: outline, bore, break lines of shortened ends, and axis.
 
     ``scale``: conversion from positions on the shaft to pixels.
     """
     radius = scene.screw.outer_diameter / 2.0
-    x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
-    yield _rectangle(x0, scale.y(radius), x1 - x0, 2.0 * (scale.middle - scale.y(radius)), SHAFT)
+    x0, x1 = scale.abscissa(0.0), scale.abscissa(scene.screw.length)
+    yield _rectangle(x0, scale.ordinate(radius), x1 - x0, 2.0 * (scale.axis_ordinate - scale.ordinate(radius)), SHAFT)
     for end, length, at in (
-        (-1.0, scale.low, scale.left - END / 2.0),
-        (1.0, scale.length - scale.high, scale.x(scale.high) + END / 2.0),
+        (-1.0, scale.to_scale_start, scale.start_abscissa - END / 2.0),
+        (1.0, scale.shaft_length - scale.to_scale_end, scale.abscissa(scale.to_scale_end) + END / 2.0),
     ):
-        if scale.cut(length):
-            top, foot = scale.y(radius) - 4.0, scale.y(-radius) + 4.0
+        if scale.is_end_shortened(length):
+            top, foot = scale.ordinate(radius) - 4.0, scale.ordinate(-radius) + 4.0
             wave = f"q {4 * end} {(foot - top) / 4:.1f} 0 {(foot - top) / 2:.1f} t 0 {(foot - top) / 2:.1f}"
             yield f'<path d="M {at - 2.5:.1f} {top:.1f} {wave}" fill="none" stroke="#ffffff" stroke-width="5"/>'
             for side in (-5.0, 0.0):
@@ -125,38 +125,42 @@ def _draw_shaft(scene: Scene, scale: _Scale) -> Iterator[str]:
     if scene.screw.bore:
         for side in (-1.0, 1.0):
             yield _line_element(
-                x0, scale.y(side * scene.screw.bore / 2.0), x1, scale.y(side * scene.screw.bore / 2.0), dash="4 3"
+                x0,
+                scale.ordinate(side * scene.screw.bore / 2.0),
+                x1,
+                scale.ordinate(side * scene.screw.bore / 2.0),
+                dash="4 3",
             )
-    yield _line_element(x0 - 10.0, scale.middle, x1 + 10.0, scale.middle, FRAME, "9 3 2 3")
-    yield _text_element(x1 + 13.0, scale.middle + 4.0, "z", "start")
+    yield _line_element(x0 - 10.0, scale.axis_ordinate, x1 + 10.0, scale.axis_ordinate, FRAME, "9 3 2 3")
+    yield _text_element(x1 + 13.0, scale.axis_ordinate + 4.0, "z", "start")
 
 
-def _draw_nut(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_nut(scene: Scene, scale: _DrawingScale) -> Iterator[str]:
     """Yield the SVG elements of the nut in section: body, flange, hatching where it is fixed, and its dimension line.
 
     ``scale``: conversion from positions on the shaft to pixels.
     """
     ends = nut_face_positions(scene)
-    low, high = map(scale.x, ends)
+    low, high = map(scale.abscissa, ends)
     held, outside = _fixed_nut_faces(scene, *ends)
     inner, outer = scene.track.pitch_radius, scene.nut.outer_diameter / 2.0
-    thick = scale.per_metre * (outer - inner)
+    thick = scale.pixels_per_metre * (outer - inner)
     for side in (-1.0, 1.0):
-        yield _rectangle(low, min(scale.y(side * outer), scale.y(side * inner)), high - low, thick, NUT)
+        yield _rectangle(low, min(scale.ordinate(side * outer), scale.ordinate(side * inner)), high - low, thick, NUT)
         if scene.nut.flange:
             rim = scene.nut.flange.diameter / 2.0
             start, end = sorted(scene.nut.flange.stations(*ends)[:2])
-            wide = scale.per_metre * (rim - outer)
-            top = scale.y(rim) if side > 0 else scale.y(-outer)
-            yield _rectangle(scale.x(start), top, scale.x(end) - scale.x(start), wide, NUT)
+            wide = scale.pixels_per_metre * (rim - outer)
+            top = scale.ordinate(rim) if side > 0 else scale.ordinate(-outer)
+            yield _rectangle(scale.abscissa(start), top, scale.abscissa(end) - scale.abscissa(start), wide, NUT)
         for z, r0, r1 in held:
-            x, y0, y1 = scale.x(z), scale.y(side * r0), scale.y(side * r1)
+            x, y0, y1 = scale.abscissa(z), scale.ordinate(side * r0), scale.ordinate(side * r1)
             yield from _hatch_lines(x, min(y0, y1), max(y0, y1), -1.0 if z <= scene.nut.position else 1.0)
         if outside:
-            y = scale.y(side * outer)
+            y = scale.ordinate(side * outer)
             for k in range(int((high - low) // 7.0)):
                 yield _line_element(low + 7.0 * k, y, low + 7.0 * k + 5.0, y - side * 5.0)
-    top, around = scale.middle - TALL / 2.0 - 12.0, "nut" if scene.track.lead else "outer ring"
+    top, around = scale.axis_ordinate - TALL / 2.0 - 12.0, "nut" if scene.track.lead else "outer ring"
     yield from _dimension_line(low, high, top, f"{around} {1e3 * scene.nut.length:.4g} mm, Ø {1e3 * 2 * outer:.4g}")
 
 
@@ -170,53 +174,55 @@ def _hatch_lines(x: float, top: float, foot: float, side: float) -> Iterator[str
         yield _line_element(x, top + 5.0 * k, x + 5.0 * side, top + 5.0 * k + 5.0)
 
 
-def _draw_balls(scene: Scene, scale: _Scale) -> Iterator[str]:
+def _draw_balls(scene: Scene, scale: _DrawingScale) -> Iterator[str]:
     """Yield the SVG elements of the balls, seen from the side; balls behind the shaft's axis are pale.
 
     ``scale``: conversion from positions on the shaft to pixels.
     """
     for height, front, z in sorted(ball_layout(scene).centre.tolist(), key=lambda centre: centre[1]):
-        radius = scale.per_metre * scene.balls.radius
+        radius = scale.pixels_per_metre * scene.balls.radius
         pale = "" if front >= 0.0 else ' opacity="0.45"'
-        where = f'cx="{scale.x(z):.1f}" cy="{scale.y(height):.1f}" r="{radius:.1f}"'
+        where = f'cx="{scale.abscissa(z):.1f}" cy="{scale.ordinate(height):.1f}" r="{radius:.1f}"'
         yield f'<circle {where} fill="{BALL}" stroke="{INK}" stroke-width="0.6"{pale}/>'
 
 
-def _draw_supports_and_loads(scene: Scene, scale: _Scale, below: float) -> Iterator[str]:
+def _draw_supports_and_loads(scene: Scene, scale: _DrawingScale, below: float) -> Iterator[str]:
     """Yield the SVG elements of supports and loads with their labels, and of the shaft's dimension line.
 
     ``scale``: conversion from positions on the shaft to pixels. ``below``: ordinate below all parts [pixels], from which
     the dimension line is placed. Supports and loads that the nut would hide are drawn beside it.
     """
-    edge = scale.y(-scene.screw.outer_diameter / 2.0)
-    x0, x1 = scale.x(0.0), scale.x(scene.screw.length)
+    edge = scale.ordinate(-scene.screw.outer_diameter / 2.0)
+    x0, x1 = scale.abscissa(0.0), scale.abscissa(scene.screw.length)
     low, high = nut_face_positions(scene)
     for support in scene.supports:
-        x, hidden = scale.x(support.at), low <= support.at <= high
+        x, hidden = scale.abscissa(support.at), low <= support.at <= high
         if not hidden:
             yield f'<path d="M {x:.1f} {edge:.1f} l -7 12 h 14 z" fill="{FRAME}" stroke="{INK}" stroke-width="0.8"/>'
         for n, word in enumerate(_support_labels(support.fixed)):
             down = n * 1.2 * TEXT
             if hidden:
-                yield _text_element(scale.x(high) + 30.0, scale.middle + 4.0 + down, f"shaft: {word}", "start")
+                yield _text_element(
+                    scale.abscissa(high) + 30.0, scale.axis_ordinate + 4.0 + down, f"shaft: {word}", "start"
+                )
             else:
                 yield _text_element(_text_abscissa_within_drawing(x, word), edge + 25.0 + down, word)
-    above = scale.y(scene.screw.outer_diameter / 2.0)
+    above = scale.ordinate(scene.screw.outer_diameter / 2.0)
     count: dict[float, int] = {}
     for load in scene.loads:
         at, words, (lateral, _, axial) = load.at, _load_label(load.force, load.moment), load.force
         n = count[at] = count.get(at, -1) + 1
         hidden = low <= at <= high
-        x, top = (scale.x(low) - 22.0, scale.middle) if hidden else (scale.x(at), above)
+        x, top = (scale.abscissa(low) - 22.0, scale.axis_ordinate) if hidden else (scale.abscissa(at), above)
         if axial:
             tail = x - 34.0 if axial > 0.0 else x + 34.0
-            yield _line_element(tail, scale.middle, x, scale.middle, FORCE, width=2.2)
-            yield _arrow_head(x, scale.middle, 1.0 if axial > 0.0 else -1.0, 0.0)
+            yield _line_element(tail, scale.axis_ordinate, x, scale.axis_ordinate, FORCE, width=2.2)
+            yield _arrow_head(x, scale.axis_ordinate, 1.0 if axial > 0.0 else -1.0, 0.0)
         if lateral:
             yield _line_element(x, top - 34.0, x, top, FORCE, width=2.2)
             yield _arrow_head(x, top, 0.0, 1.0) if lateral < 0.0 else _arrow_head(x, top - 34.0, 0.0, -1.0)
         if hidden:
-            yield _text_element(x - 40.0, scale.middle + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
+            yield _text_element(x - 40.0, scale.axis_ordinate + 4.0 + n * 1.2 * TEXT, words, "end", FORCE)
         else:
             up = 40.0 if lateral else 10.0
             yield _text_element(_text_abscissa_within_drawing(x, words), above - up - n * 1.2 * TEXT, words, colour=FORCE)
@@ -240,15 +246,15 @@ def _fixed_nut_faces(scene: Scene, low: float, high: float) -> tuple[list[tuple[
     return [(face, *solid.held_radii) for face in faces], False
 
 
-def _support_labels(fixed: tuple[tuple[str, float], ...]) -> Iterator[str]:
+def _support_labels(prescribed_freedoms: tuple[tuple[str, float], ...]) -> Iterator[str]:
     """Yield the labels of a support: its fixed degrees of freedom, and its prescribed displacements and rotations.
 
-    ``fixed``: pairs of degree of freedom (ux to rz) and prescribed value [m, rad]; 0 means fixed.
+    ``prescribed_freedoms``: pairs of degree of freedom (ux to rz) and prescribed value [m, rad]; 0 means fixed.
     """
-    held = " ".join(freedom for freedom, value in fixed if value == 0.0)
+    held = " ".join(freedom for freedom, value in prescribed_freedoms if value == 0.0)
     if held:
         yield f"fixes {held}"
-    for freedom, value in fixed:
+    for freedom, value in prescribed_freedoms:
         if value:
             turned = freedom.startswith("r")
             yield f"{freedom} = {1e3 * value:.4g} mrad" if turned else f"{freedom} = {value / MICRO:.4g} µm"

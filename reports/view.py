@@ -20,7 +20,7 @@ from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.reports import scene3d
-from rollbench.reports.content import CaseView, SetView, View
+from rollbench.reports.content import LoadCaseView, NutOrBearingView, SceneView
 
 #: HTML element that marks a page as written by this program, which may therefore replace the page or its folder.
 MARKER = '<meta name="generator" content="rollbench">'
@@ -32,7 +32,7 @@ NUT, RING = 0.8, 0.5
 MM = 1e3
 
 
-def viewer_page_html(view: View, back_link: str = "") -> str:
+def viewer_page_html(view: SceneView, back_link: str = "") -> str:
     """Return the HTML page that shows a solved scene in 3D.
 
     ``view``: data of the scene. ``back_link``: target of a link back to the report; empty: no link.
@@ -45,22 +45,22 @@ def viewer_page_html(view: View, back_link: str = "") -> str:
         "RESULTS": json_script_element("results", view.results),
         "VIEWER": viewer_elements_html(view),
     }
-    html = _viewer_file("page.html")
+    html = _viewer_file_text("page.html")
     for name, text in filled.items():
         html = html.replace(f"{{{{{name}}}}}", text)
     return html
 
 
-def viewer_elements_html(view: View) -> str:
+def viewer_elements_html(view: SceneView) -> str:
     """Return the 3D viewer of a solved scene as HTML elements, to be inserted into a page.
 
     The page must contain the results as JSON in the script element ``results``.
     """
     surfaces: dict[str, int] = {}
-    cases = [_load_case_data(case, surfaces) for case in view.cases]
+    cases = [_load_case_data(case, surfaces) for case in view.load_cases]
     data = {"cases": cases, "surfaces": [json.loads(text) for text in surfaces], "flanks": SIDES, **_viewer_unit_vectors()}
-    scripts = "".join(f"<script>{_viewer_file(name)}</script>" for name in ("three.min.js", "view.js"))
-    style, page = _viewer_file("view.css"), _viewer_file("view.html")
+    scripts = "".join(f"<script>{_viewer_file_text(name)}</script>" for name in ("three.min.js", "view.js"))
+    style, page = _viewer_file_text("view.css"), _viewer_file_text("view.html")
     return f"<style>{style}</style>{page}{json_script_element('view-data', data)}{scripts}"
 
 
@@ -75,48 +75,52 @@ def json_script_element(name: str, data: Any) -> str:
     return f'<script type="application/json" id="{name}">{text}</script>'
 
 
-def _viewer_file(name: str) -> str:
+def _viewer_file_text(name: str) -> str:
     """Return the text of a file of the 3D viewer, from the folder ``viewer`` of this package."""
     return resources.files("rollbench.reports").joinpath("viewer", name).read_text(encoding="utf-8")
 
 
 def _viewer_unit_vectors() -> dict[str, list[float]]:
     """Return the unit vectors towards the reader ("sight") and upwards on the screen ("up"), for the 3D viewer."""
-    return {"sight": scene3d.view_direction().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
+    return {"sight": scene3d.direction_to_viewer().tolist(), "up": scene3d.viewer_and_upward_vectors()[1].tolist()}
 
 
-def _load_case_data(case: CaseView, surfaces: dict[str, int]) -> dict[str, Any]:
+def _load_case_data(case: LoadCaseView, surfaces: dict[str, int]) -> dict[str, Any]:
     """Return the data of one load case for the script of the 3D viewer.
 
     ``surfaces``: numbers of all surfaces so far, by the JSON text of the surface. New surfaces are added to it; load cases
     share equal surfaces.
     """
-    drawn = [s for one in case.sets for s in _surfaces_of_set(one, case.shaft is not None)]
+    drawn = [s for one in case.nuts_and_bearings for s in _surfaces_of_nut_or_bearing(one, case.shaft is not None)]
     if case.shaft is not None:
-        drawn += _shaft_between_sets(case.shaft)
+        drawn += _shaft_parts_between_nuts(case.shaft)
     numbers = [surfaces.setdefault(json.dumps(one), len(surfaces)) for one in drawn]
-    return {"name": case.name, "surfaces": numbers, "sets": [_viewer_data_of_set(one) for one in case.sets]}
+    return {
+        "name": case.name,
+        "surfaces": numbers,
+        "sets": [_viewer_data_of_nut_or_bearing(one) for one in case.nuts_and_bearings],
+    }
 
 
-def _surfaces_of_set(one: SetView, shared: bool) -> list[dict[str, Any]]:
+def _surfaces_of_nut_or_bearing(nut_or_bearing: NutOrBearingView, shaft_is_shared: bool) -> list[dict[str, Any]]:
     """Return the surfaces of one nut or bearing row, and of the part of the shaft in it, for the 3D viewer.
 
-    ``shared``: whether the shaft carries several nuts or bearing rows; the parts of the shaft between them are then drawn
-    by `_shaft_between_sets`.
+    ``shaft_is_shared``: whether the shaft carries several nuts or bearing rows; the parts of the shaft between them are
+    then drawn by `_shaft_parts_between_nuts`.
     """
-    if isinstance(one.parts, RollerRow):
-        return [_cone_surface(one.parts, one.position, _apex_direction(one.thrust))]
-    reach = RING if shared and not one.parts.track.lead else NUT
-    found = scene3d.surfaces_by_colour(one.parts, COARSE, reach)
-    return [_pack_grid(grid, tint) for tint, grids in found.items() for grid in grids]
+    if isinstance(nut_or_bearing.parts, RollerRow):
+        return [_cone_surface(nut_or_bearing.parts, nut_or_bearing.position, _apex_direction(nut_or_bearing.thrust))]
+    reach = RING if shaft_is_shared and not nut_or_bearing.parts.track.lead else NUT
+    found = scene3d.screw_and_nut_surfaces_by_colour(nut_or_bearing.parts, COARSE, reach)
+    return [_packed_surface(grid, tint) for tint, grids in found.items() for grid in grids]
 
 
-def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
+def _packed_surface(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     """Return a surface for the 3D viewer, with its coordinates [mm] coded as 16-bit integers between their extremes.
 
     ``grid``: radius [m], azimuth [rad] and axial position [m] of its points. ``tint``: colour of the surface.
     """
-    points = MM * np.stack(scene3d.to_cartesian(grid), axis=-1)
+    points = MM * np.stack(scene3d.cylindrical_to_cartesian(grid), axis=-1)
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     step = np.maximum(high - low, 1e-9) / 65535.0
     whole = np.rint((points - low) / step).astype("<u2")
@@ -124,13 +128,13 @@ def _pack_grid(grid: scene3d.Grid, tint: str) -> dict[str, Any]:
     return {"tint": tint, "rows": len(points), "low": low.tolist(), "step": step.tolist(), "points": text}
 
 
-def _shaft_between_sets(shaft: Assembly) -> list[dict[str, Any]]:
+def _shaft_parts_between_nuts(shaft: Assembly) -> list[dict[str, Any]]:
     """Return the parts of a shaft between its nuts and bearings, for the 3D viewer.
 
     Each part is a body of revolution, given by its outline of radius and axial position [mm].
     """
     under = [
-        _drawn_shaft_range(s, s.parts, shaft.screw.length)
+        _shaft_range_drawn_with_nut(s, s.parts, shaft.screw.length)
         for s in shaft.sets
         if isinstance(s.parts, Scene) and s.carrier is None
     ]
@@ -153,7 +157,7 @@ def _shaft_between_sets(shaft: Assembly) -> list[dict[str, Any]]:
     return found
 
 
-def _drawn_shaft_range(rolling_set: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
+def _shaft_range_drawn_with_nut(rolling_set: RollingSet, parts: Scene, length: float) -> tuple[float, float]:
     """Return the axial positions [m] between which the shaft is drawn together with a nut or bearing row.
 
     ``rolling_set``: the nut or bearing row. ``parts``: its geometry. ``length``: length of the shaft [m].
@@ -162,27 +166,32 @@ def _drawn_shaft_range(rolling_set: RollingSet, parts: Scene, length: float) -> 
     return max(0.0, rolling_set.position - half), min(length, rolling_set.position + half)
 
 
-def _viewer_data_of_set(one: SetView) -> dict[str, Any]:
+def _viewer_data_of_nut_or_bearing(nut_or_bearing: NutOrBearingView) -> dict[str, Any]:
     """Return the data of one nut or bearing row for the 3D viewer; lengths are in mm, reductions of clearance in um."""
-    head = {"name": one.name, "kind": one.kind, "expected": one.expected}
-    if isinstance(one.parts, RollerRow):
-        return head | _rollers_of_row(one.parts, one.position, _apex_direction(one.thrust))
+    head = {"name": nut_or_bearing.name, "kind": nut_or_bearing.kind, "expected": nut_or_bearing.expected}
+    if isinstance(nut_or_bearing.parts, RollerRow):
+        return head | _viewer_data_of_rollers(
+            nut_or_bearing.parts, nut_or_bearing.position, _apex_direction(nut_or_bearing.thrust)
+        )
     out = head | {
-        "centre": [0.0, 0.0, MM * one.position],
-        "size": MM * max(one.parts.nut.outer_diameter, one.parts.nut.length),
-        "radius": MM * scene3d.drawn_ball_radius(one.parts),
-        "places": (MM * ball_layout(one.parts).centre).round(4).tolist(),
+        "centre": [0.0, 0.0, MM * nut_or_bearing.position],
+        "size": MM * max(nut_or_bearing.parts.nut.outer_diameter, nut_or_bearing.parts.nut.length),
+        "radius": MM * scene3d.drawn_ball_radius(nut_or_bearing.parts),
+        "places": (MM * ball_layout(nut_or_bearing.parts).centre).round(4).tolist(),
     }
-    if one.points is not None and one.forces is not None:
-        out |= {"points": _packed_numbers(MM * one.points), "forces": _packed_numbers(one.forces)}
-    if one.reference is not None:
-        label, *rows = one.reference
+    if nut_or_bearing.points is not None and nut_or_bearing.forces is not None:
+        out |= {
+            "points": _rounded_numbers_for_json(MM * nut_or_bearing.points),
+            "forces": _rounded_numbers_for_json(nut_or_bearing.forces),
+        }
+    if nut_or_bearing.reference is not None:
+        label, *rows = nut_or_bearing.reference
         out["reference"] = {
             "label": label,
-            **dict(zip(("load", "uncertainty", "error"), map(_packed_numbers, rows), strict=True)),
+            **dict(zip(("load", "uncertainty", "error"), map(_rounded_numbers_for_json, rows), strict=True)),
         }
-    if one.closer is not None and np.abs(one.closer).max(initial=0.0) > 1e-12:
-        out["closer"] = _packed_numbers(1e6 * one.closer)
+    if nut_or_bearing.closer is not None and np.abs(nut_or_bearing.closer).max(initial=0.0) > 1e-12:
+        out["closer"] = _rounded_numbers_for_json(1e6 * nut_or_bearing.closer)
     return out
 
 
@@ -194,31 +203,33 @@ def _apex_direction(thrust: str) -> float:
     return 1.0 if thrust == "+z" else -1.0
 
 
-def _cone_surface(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+def _cone_surface(row: RollerRow, position: float, apex_direction: float) -> dict[str, Any]:
     """Return the surface of the cone (inner ring) of a tapered roller row, without ribs, for the 3D viewer.
 
-    ``position``: axial position of the row [m]. ``sign``: direction along z in which the apex lies, 1 or -1.
+    ``position``: axial position of the row [m]. ``apex_direction``: direction along z in which the apex lies, 1 or -1.
     """
     reach, angle = 0.5 * row.diameter / np.sin(row.roller_angle), row.cup_angle - 2.0 * row.roller_angle
-    apex = position + sign * reach * np.cos(row.cup_angle)
+    apex = position + apex_direction * reach * np.cos(row.cup_angle)
     ends = [float(reach + x) for x in (-0.5 * row.length, 0.5 * row.length)]
-    (r0, z0), (r1, z1) = ((MM * x * np.sin(angle), MM * (apex - sign * x * np.cos(angle))) for x in ends)
+    (r0, z0), (r1, z1) = ((MM * x * np.sin(angle), MM * (apex - apex_direction * x * np.cos(angle))) for x in ends)
     return {"tint": scene3d.STEEL, "outline": [[0.0, z0], [r0, z0], [r1, z1], [0.0, z1]]}
 
 
-def _rollers_of_row(row: RollerRow, position: float, sign: float) -> dict[str, Any]:
+def _viewer_data_of_rollers(row: RollerRow, position: float, apex_direction: float) -> dict[str, Any]:
     """Return the positions [mm] and axes of all rollers of a row, and the outline of one roller [mm], for the 3D viewer.
 
-    ``position``: axial position of the row [m]. ``sign``: direction along z in which the apex of the rollers lies, 1 or -1.
+    ``position``: axial position of the row [m]. ``apex_direction``: direction along z in which the apex of the rollers
+    lies, 1 or -1.
     """
     reach = 0.5 * row.diameter / np.sin(row.roller_angle)  # from the apex to the middle of the contact line with the cup
     azimuth = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
     tilt = row.cup_angle - row.roller_angle
     axis = np.stack(
-        [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), 0.0 * azimuth - sign * np.cos(tilt)], axis=1
+        [np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), 0.0 * azimuth - apex_direction * np.cos(tilt)],
+        axis=1,
     )
     middle, half = reach * np.cos(row.roller_angle), 0.5 * row.length
-    places = np.array([0.0, 0.0, position + sign * reach * np.cos(row.cup_angle)]) + middle * axis
+    places = np.array([0.0, 0.0, position + apex_direction * reach * np.cos(row.cup_angle)]) + middle * axis
     ends = [(MM * (middle + x) * float(np.tan(row.roller_angle)), MM * x) for x in (-half, half)]
     outline = [(0.0, ends[0][1]), *ends, (0.0, ends[1][1])]
     size = 2.0 * np.hypot(*places[0, :2]) + 2.0 * row.diameter
@@ -231,7 +242,7 @@ def _rollers_of_row(row: RollerRow, position: float, sign: float) -> dict[str, A
     }
 
 
-def _packed_numbers(values: Array) -> Any:
+def _rounded_numbers_for_json(values: Array) -> Any:
     """Return an array as nested lists of numbers with six significant digits; nan and infinity become None."""
 
     def rounded(value: Any) -> Any:

@@ -4,8 +4,8 @@ They form one group, so that one worker computes every entry, and computes it on
 of its own.
 """
 
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 
 GROUP = "evidence"
 #: Sixty randomly drawn screws decide the claims on random errors as two hundred do.
-STUDY = Study(members=60)
+STUDY = SceneResultCache(random_draw_count=60)

@@ -10,7 +10,7 @@ from skfem import Basis, ElementVector, Functional, LinearForm
 from skfem.helpers import dot, eye, sym_grad, trace
 
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import CurvedMap, elasticity_form, nodal_share_form, stiffness_quadrature
+from rollbench.hifi.elements.forms import CachedIsoparametricMap, elasticity_form, nodal_volume_form, stiffness_quadrature
 from rollbench.meshes.fem import _SKFEM, MESHES, build_mesh, scaled_jacobians
 
 KINDS = ["P1", "P2", "Q1", "Q2"]
@@ -90,7 +90,12 @@ def boundary_faces(cells, kind):
 
 def space(mesh, **options):
     """Vector space on the mesh's own element, by default at the points of the fast assembly. options: of `skfem.Basis`."""
-    return Basis(mesh, ElementVector(mesh.elem()), CurvedMap(mesh), **{"quadrature": stiffness_quadrature(mesh), **options})
+    return Basis(
+        mesh,
+        ElementVector(mesh.elem()),
+        CachedIsoparametricMap(mesh),
+        **{"quadrature": stiffness_quadrature(mesh), **options},
+    )
 
 
 def freedoms(nodes):
@@ -130,7 +135,7 @@ def nodal_volumes(points, cells, kind, intorder=None):
     mesh, number = build_mesh(points, cells, kind)
     options = {} if intorder is None else {"quadrature": None, "intorder": intorder}
     basis = Basis(mesh, mesh.elem(), **{"quadrature": stiffness_quadrature(mesh), **options})
-    return renumbered(number, nodal_share_form().assemble(basis))
+    return renumbered(number, nodal_volume_form().assemble(basis))
 
 
 def volume(points, cells, kind):

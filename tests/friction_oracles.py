@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import ellipe
 
 from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution
-from rollbench.lowfi.friction.contact.laws import Contacts
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.screw import motion
 from rollbench.lowfi.friction.screw.chain import PATIENCE, solve_loads_and_motion
@@ -54,7 +54,7 @@ def shifts(bearing: LinearBearing, deviation: Array, loads: Array, force: float 
     against the ball's motion, and one rigid motion. deviation ``(4,)``: Delta beta [rad].
     """
     beta = bearing.contact_angle + np.asarray(deviation, dtype=float)
-    constants, radius = bearing.hertz(), bearing.ball_radius
+    constants, radius = bearing.contact_hertz_constants(), bearing.ball_radius
     a = constants.C_a * np.cbrt(loads)
     stiff = _FORCE_SENSE * k_f * bearing.mu * loads * radius / a
     ellip = float(ellipe(1.0 - float(constants.C_b / constants.C_a) ** 2))
@@ -74,9 +74,9 @@ def deviation_from_shifts(bearing: LinearBearing, deviation: Array, shift: Array
     return float(0.5 * np.tan(bearing.contact_angle) * (moved[3] - moved[1]))
 
 
-def pure_spin_moment(at: Contacts) -> Array:
+def pure_spin_moment(at: EllipticalContacts) -> Array:
     """Moment (n,) [N m] that resists spin about the centre, (3/8) mu F a E(e) (Lin 3.32)."""
-    return np.asarray(0.375 * at.strength * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
+    return np.asarray(0.375 * at.friction_bound * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
 
 
 def ball_cell(groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array) -> BallsBetweenGrooves:
@@ -105,9 +105,13 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
     load = solve_screw_contact_loads(cell)
     if coupling == "ball":
         cell = motion.with_fixed_screw(cell, load)
-        load = solve_screw_contact_loads(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, motion.AndersonMixer(), (load.ball, load.inner)
-    push, drag, start = cell.push, cell.drag, None
+        load = solve_screw_contact_loads(cell, (load.ball_displacements, np.zeros(0)))
+    groove, mixer, bare = (
+        cell.groove,
+        motion.AndersonAcceleration(),
+        (load.ball_displacements, load.inner_body_displacements),
+    )
+    push, drag, start = cell.ball_friction_forces, cell.screw_friction_forces, None
     rounds, change, good = 0, np.inf, False
     while True:
         moved = motion.solve_ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
@@ -119,12 +123,16 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
         if change <= motion.AGREED * float(np.sum(load.force)) or rounds == motion.ROUNDS:
             break
         joint = solve_loads_and_motion(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
-        if joint is not None and joint.done:
-            push, drag = joint.push, joint.drag
-            load = solve_screw_contact_loads(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
+        if joint is not None and joint.reached_full_friction:
+            push, drag = joint.ball_friction_forces, joint.screw_friction_forces
+            load = solve_screw_contact_loads(
+                replace(cell, push=push, drag=drag), (joint.ball_displacements, joint.screw_displacements)
+            )
         else:
             x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = solve_screw_contact_loads(replace(cell, push=push, drag=drag), (load.ball, load.inner))
-        start = moved.motion.q
+            load = solve_screw_contact_loads(
+                replace(cell, push=push, drag=drag), (load.ball_displacements, load.inner_body_displacements)
+            )
+        start = moved.motion.unknown_velocities
     return CoupledBall(load, moved, change, rounds, good and change <= motion.AGREED * float(np.sum(load.force)))

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from tests.helpers import small_screw
 
-from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls, pair_geometry
+from rollbench.lowfi.friction.screw.groove import azimuth_between_touching_balls, touching_balls_geometry
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
 from rollbench.lowfi.friction.whole.losses import ball_kinematics
 from rollbench.lowfi.friction.whole.run import SceneInMotion
-from rollbench.lowfi.statics.nominal import beam_loads
+from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
 
@@ -20,7 +20,7 @@ WAVES = Errors(
 )
 
 
-def setting(scene, friction=MU, motion=TURN, solve=beam_loads):
+def setting(scene, friction=MU, motion=TURN, solve=contact_loads_by_beam_model):
     """A run of a scene with a rigid or beam screw, compiled kernels."""
     scene = replace(scene, motion=motion)
     drawn = draw_errors(scene)
@@ -32,7 +32,7 @@ def crowded(clearance=1e-6, count=6, hand="right", **options):
     """Balls of unlike sizes that almost touch (clearance [rad]), errors of both grooves, and two balls in the return."""
     base = small_screw(count, 0.5, hand=hand, force=(40.0, 10.0, 700.0), screw="rigid", **options)
     path = ball_kinematics(base, TURN, base.balls.radius)
-    spacing = azimuth_between_touching_balls(path) + 10e-6 / pair_geometry(path).closing + clearance
+    spacing = azimuth_between_touching_balls(path) + 10e-6 / touching_balls_geometry(path).closing_speed_factor + clearance
     places = spacing * (np.arange(count) - 0.5 * (count - 1))
     balls = replace(base.balls, azimuths=tuple(float(p) for p in places))
     turns = count * spacing / (2.0 * np.pi)

@@ -8,11 +8,11 @@ from rollbench.lowfi import jit
 from rollbench.lowfi.statics.problem import build_problem
 from rollbench.lowfi.statics.static import beam_equations, solve_static
 from rollbench.meshes import parts
-from rollbench.meshes.errors import draw_specimen
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.errors import draw_geometry_with_errors
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.sockets import largest_fitting_socket
+from rollbench.meshes.sockets import largest_fitting_refinement_box
 
 STEEL = parts.Material(210e9, 0.28)
 ALL_BUT_AXIAL = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
@@ -69,7 +69,9 @@ def with_ingredients(scene, **changes):
 def prepared(scene, engine="interpreted", *, everything=False):
     """The scene as the kernels take it, with all four flanks built."""
     layout = ball_layout(scene)
-    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=everything)
+    problem = build_problem(
+        scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool), everything=everything
+    )
     return beam_equations(problem, jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled"))
 
 
@@ -137,16 +139,16 @@ def sockets_of(scene, sides):
 
 def body_specs(scene, sides, *, fine=1.6e-3, coarse=8e-3, beyond=20e-3, size=None, hole=None):
     """Screw and nut with fitted sockets; fine, coarse for balls of 2.778 mm radius; beyond: shaft beside the nut [m]."""
-    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    m, layout = GrooveMap.from_scene(scene), ball_layout(scene)
     outer, bore, land, outside, ends = solid_sizes(scene, hole=hole)
-    size = size or largest_fitting_socket(m, layout, sides, outer, bore, land, outside, ends)
+    size = size or largest_fitting_refinement_box(m, layout, sides, outer, bore, land, outside, ends)
     scale = m.ball / 2.778e-3
     beyond = beyond if m.rg else 0.0
     reach = max(ends[0] - beyond, 0.0), min(ends[1] + beyond, scene.screw.length)
 
     def spec(radii, z, screw):
         sockets = sockets_of(scene, [s for s in sides if (s < 2) == screw])
-        return BodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
+        return GroovedBodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
 
     return {"screw": spec((bore, outer), reach, True), "nut": spec((land, outside), ends, False)}
 

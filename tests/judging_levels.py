@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.models.applicability import SURVEY
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections.u_val import JUDGES
-from rollbench.compare.studies.survey import SEED, TUBES, scene_text
+from rollbench.compare.studies.survey import SEED, TUBES, random_screw_scene_text
 
 LEVELS = (1, 2, 3)
 #: Screws, those that were chosen before the others, contacts that a screw has at most, and what the others are drawn by.
@@ -48,12 +48,12 @@ def main() -> None:
     path = shipped_store() / JUDGES
     data = json.loads(path.read_text(encoding="utf-8"))
     for number in chosen():
-        name, text = name_of(number), scene_text(SEED, number)
+        name, text = name_of(number), random_screw_scene_text(SEED, number)
         loads = data.setdefault(name, {})
         loads["scene"] = text
         for level in LEVELS:
             if str(level) not in loads:
-                (run,) = compute_runs(Task((scene_file.scene_from_text(text, f"{name}.toml"),), level))
+                (run,) = compute_reference_runs(ReferenceTask((scene_file.scene_from_text(text, f"{name}.toml"),), level))
                 loads[str(level)] = [[float(f"{x:.6g}") for x in row] for row in run.load.tolist()]
                 print(f"{name}, level {level}: {run.status}", flush=True)
                 write(path, data)

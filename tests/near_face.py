@@ -14,25 +14,25 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import condense_nut
 from rollbench.hifi.meshing.part_meshes import (
-    Sockets,
-    choose_patch_lines,
+    FlankSockets,
+    choose_patch_cells,
     choose_socket_size,
-    contacts_on_body,
-    mesh_load_transfer_patch,
+    contact_normals_of_patch,
+    contact_positions_on_body,
+    mesh_coarser_patch,
     mesh_patch,
-    patch_normals,
 )
 from rollbench.hifi.meshing.settings import Settings
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 #: Scenes by number of the survey (None: lin-case1), distances of the last ball from the face in ball radii, levels.
@@ -49,7 +49,7 @@ def scene_of(number: int | None) -> Scene:
     """Scene of a case."""
     if number is None:
         return catalogue.scene("lin-case1")
-    return scene_file.scene_from_text(scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
+    return scene_file.scene_from_text(random_screw_scene_text(SEED, number), f"survey-{SEED}-{number}.toml")
 
 
 def settings(scene: Scene, level: int | None) -> Settings:
@@ -73,29 +73,29 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
         nut=replace(scene.nut, length=2.0 * HALF * r),
         solid=replace(scene.solid, nut_held="left face"),
     )
-    m, layout, dims, nut = GrooveMap.of(near), ball_layout(near), dimensions_of_3d_parts(near), near.nut
+    m, layout, dims, nut = GrooveMap.from_scene(near), ball_layout(near), dimensions_of_3d_parts(near), near.nut
     sides = tuple(s for s in flanks_to_mesh(scene) if s >= 2)
     size = choose_socket_size(near, m, layout, (0, 1, 2, 3), dims, choices)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    zone = choose_patch_lines(choices, widths, size.depth)[1]
+    zone = choose_patch_cells(choices, widths, size.depth)[1]
     ends = nut.position - HALF * r, nut.position + HALF * r
-    places = contacts_on_body(layout, sides, False)
-    spec = BodySpec(
+    places = contact_positions_on_body(layout, sides, False)
+    spec = GroovedBodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, places, size, choices.fine, choices.coarse, dims.groove_ends
     )
     body, e, patches = mesh_grooved_body(m, spec), nut.material, {}
     for side in sides:
-        place, socket = partial(points_in_reference_socket, m, size, side), body.sockets[side]
-        fits = Sockets(socket, socket, size, zone, widths)
-        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_load_transfer_patch(fits, socket, place, choices)
-        normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
+        place, socket = partial(points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
+        fits = FlankSockets(socket, socket, size, zone, widths)
+        mesh, carrier = mesh_patch(fits, socket, place, choices), mesh_coarser_patch(fits, socket, place, choices)
+        normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
     found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
-    flat = patch.points - points_in_reference_socket(m, size, PRESSED, np.zeros((1, 3)))
+    flat = patch.points - points_in_box_at_azimuth_zero(m, size, PRESSED, np.zeros((1, 3)))
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
     force = patch.areas * np.sqrt(np.maximum(1.0 - ((flat @ axes.T / choices.semi) ** 2).sum(axis=1), 0.0))
-    counts = [found.modes[s].shape[1] for s in sides]
-    v, start = force / force.sum() @ found.modes[PRESSED], sum(counts[: sides.index(PRESSED)])
+    counts = [found.modes_by_flank[s].shape[1] for s in sides]
+    v, start = force / force.sum() @ found.modes_by_flank[PRESSED], sum(counts[: sides.index(PRESSED)])
 
     def moved(ball: int) -> float:
         """Compliance [m/N] of a ball's contact."""

@@ -18,7 +18,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.setup import prepare
+from rollbench.hifi.setup import mesh_and_condense_geometry
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import SIDES, Load, Scene
 
@@ -36,13 +36,13 @@ def solved(scene: Scene, first: Scene, level: int, cells: float, cache: Path) ->
     """Contact loads [N] by loaded side and rigidity [N/m] of a scene in 3D, on the meshes' settings of ``first``."""
     scene, sides, settings = with_section(scene), flanks_to_mesh(first), mesh_settings([first], level)
     settings = replace(settings, cell=cells * settings.cell)
-    found = solve_reference(prepare(scene, sides, settings, print, cache=Cache(cache)), scene)
-    moved = float(np.interp(scene.nut.position, found.stations, found.centreline[:, 2]))
+    found = solve_reference(mesh_and_condense_geometry(scene, sides, settings, print, cache=Cache(cache)), scene)
+    moved = float(np.interp(scene.nut.position, found.centreline_positions, found.centreline_motion[:, 2]))
     return {
         "level": level,
         "status": found.status,
-        "rigidity": round(axial_contact_force(scene, found.load, found.contact_angle) / moved),
-        "load": {SIDES[s]: found.load[:, s].round(3).tolist() for s in sides},
+        "rigidity": round(axial_contact_force(scene, found.contact_loads, found.contact_angles) / moved),
+        "load": {SIDES[s]: found.contact_loads[:, s].round(3).tolist() for s in sides},
     }
 
 

@@ -8,22 +8,22 @@ from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import small_screw
 
 from rollbench.hifi.bodies.patch import (
-    PatchLines,
+    PatchCellBoundaries,
     condense_patch,
     fit_tetrahedral_patch,
-    graded_boundaries,
-    growing_boundaries,
+    graded_cell_boundaries,
+    growing_cell_boundaries,
     mesh_hexahedral_patch,
 )
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
 from rollbench.meshes.fem import build_mesh
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.sockets import SocketMesh, SocketSize, points_in_reference_socket
+from rollbench.meshes.sockets import RefinementBoxFaces, RefinementBoxSize, points_in_box_at_azimuth_zero
 from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
 E, NU = 210e9, 0.28
-MAP = GrooveMap.of(small_screw(6))
-SIZE = SocketSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)
+MAP = GrooveMap.from_scene(small_screw(6))
+SIZE = RefinementBoxSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)
 WIDTH = (SIZE.gamma * float(MAP.radius.mean()), SIZE.phi * MAP.R)
 SEMI = (0.40e-3, 0.105e-3)
 ZONE = (0.62, 0.17)
@@ -32,8 +32,10 @@ ZONE = (0.62, 0.17)
 def lines(b_over_h, growth=1.7):
     """Elements of a second-order patch with so many nodes across the short semi-axis; growth: beside the contact zone."""
     step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
-    across = graded_boundaries(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
-    return PatchLines(across, growing_boundaries(0.0, 1.0, 0.6 * step, 1.8), graded_boundaries(ZONE[1], step, growth))
+    across = graded_cell_boundaries(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
+    return PatchCellBoundaries(
+        across, growing_cell_boundaries(0.0, 1.0, 0.6 * step, 1.8), graded_cell_boundaries(ZONE[1], step, growth)
+    )
 
 
 @cache
@@ -52,7 +54,7 @@ def holed_cube():
     triangles = triangles.reshape(-1, 6)
     assert len(triangles) == 5 * 8
     mesh, number = build_mesh(points, cells, "P2", {"floor": floor})
-    return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
+    return mesh, number[nodes], RefinementBoxFaces(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
 
 
 def socket(*, turned=False):
@@ -68,7 +70,7 @@ def flat(xi):
 
 def places(side):
     """Maps into groove and ball at a side, and the ball's centre in each."""
-    groove = partial(points_in_reference_socket, MAP, SIZE, side)
+    groove = partial(points_in_box_at_azimuth_zero, MAP, SIZE, side)
     return {
         "groove": (groove, np.array([MAP.R, 0.0, 0.0])),
         "ball": (ball_socket_and_map(MAP, SIZE, side, ZONE)[1], np.zeros(3)),
@@ -90,7 +92,7 @@ def patch(kind, where="groove", side=0, fine=0.16e-3):
         if kind == "Q2"
         else fit_tetrahedral_patch(tets(fine), place, socket())
     )
-    arms = mesh.points[mesh.contact] - centre
+    arms = mesh.points[mesh.contact_nodes] - centre
     return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.helix import ball_layout
-from rollbench.reports.content import Figure, LoadedScrew, Page, Panel, Quantity, Report, Section, Series, Table, Text
+from rollbench.reports.content import Figure, LoadedScrew, Page, Panel, Report, Section, Series, Table, TableColumn, Text
 
 CHROMIUM = shutil.which("chromium")
 WITH_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
@@ -31,22 +31,22 @@ def image(draw, what, path):
 def figure(name="loads", **changes):
     ball = [1, 2, 3, 4]
     curves = (
-        Series("computed", ball, [210.0, 220.0, 230.0, 225.0], emphasis=True),
+        Series("computed", ball, [210.0, 220.0, 230.0, 225.0], bold=True),
         Series("printed", ball, [211.0, 219.0, math.nan, 226.0], "markers"),
         Series("source", ball, [212.0, 222.0, 232.0, 227.0], "line"),
         Series("95 % band", ball, [200.0, 210.0, 220.0, 215.0], "band", [220.0, 230.0, 240.0, 235.0]),
     )
     panels = (
-        Panel("Case <1>", "ball number", "normal force [N]", curves, integer_x=True, zero=True),
-        Panel("Error", "load [N]", "error [–]", [Series("computed", [1, 10, 1e6], [1e-9, 0.0, 1e-3])], log="xy"),
+        Panel("Case <1>", "ball number", "normal force [N]", curves, integer_x=True, include_zero=True),
+        Panel("Error", "load [N]", "error [–]", [Series("computed", [1, 10, 1e6], [1e-9, 0.0, 1e-3])], log_axes="xy"),
     )
     return Figure(**{"name": name, "title": "Loads & errors", "panels": panels, "caption": "Axial load."} | changes)
 
 
 def table(name="printed"):
-    first, force = Quantity("q", "Quantity, of all", format="s"), Quantity("force", "Force", "N")
-    words = (Quantity(word.lower(), word, format="s") for word in ("Class", "Verdict"))
-    columns = (first, force, Quantity("error", "Error", "%", ".2f"), *words, Quantity("ok", "Met"))
+    first, force = TableColumn("q", "Quantity, of all", format="s"), TableColumn("force", "Force", "N")
+    words = (TableColumn(word.lower(), word, format="s") for word in ("Class", "Verdict"))
+    columns = (first, force, TableColumn("error", "Error", "%", ".2f"), *words, TableColumn("ok", "Met"))
     rows = (
         {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
         {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "contradicted", "ok": False},
@@ -68,7 +68,7 @@ def screw(scene="lin-case1", **changes):
 
 
 def report(*items):
-    empty = Table("empty", "None", [Quantity("a", "A")], [])
+    empty = Table("empty", "None", [TableColumn("a", "A")], [])
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
         Section("second", "Second", (Text(["one", "two <i>"], bullets=True), empty)),

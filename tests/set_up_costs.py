@@ -20,8 +20,8 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.running import machine_description
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.run_times import SET_UP_COSTS, today
-from rollbench.compare.studies.survey import SEED, scene_text
+from rollbench.compare.studies.run_times import SET_UP_COSTS, utc_date_text
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.hifi import condensation, linear_algebra, setup
 from rollbench.hifi.bodies import patch
 from rollbench.hifi.condensation import (
@@ -49,7 +49,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 WORK = {
     "meshing": ("best_of", (ball_body, grooved_body)),
     "assembly": ("assemble", (forms, cell, patch)),
-    "elimination": ("product_with_inverse", (linear_algebra,)),
+    "elimination": ("compliance_of_load_columns", (linear_algebra,)),
     "dense": ("_eliminate_front", (linear_algebra,)),
 }
 #: Jobs whose stages are measured: scene and level.
@@ -65,7 +65,7 @@ BETWEEN = (0.95, 1.05)
 def scene_of(name: str) -> Scene:
     """The new screw is case 1 with another nut."""
     if name == "flanged":
-        return scene_file.scene_from_text(scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
+        return scene_file.scene_from_text(random_screw_scene_text(SEED, FLANGED), f"survey-{SEED}-{FLANGED}.toml")
     if name != "new screw":
         return catalogue.scene(name)
     scene = catalogue.scene("lin-case1")
@@ -106,10 +106,10 @@ def stages_of(name: str, level: int) -> dict[str, Any]:
         before.update(total)
 
     with timed(spent):
-        whole = setup.prepare(scene, wanted, mesh_settings([scene], level), heard, cache=Cache(None))
+        whole = setup.mesh_and_condense_geometry(scene, wanted, mesh_settings([scene], level), heard, cache=Cache(None))
         found = solve_reference(whole, scene)
     heard("contact loads:")
-    return {"scene": name, "level": level, "contacts": int((found.load > 0.0).sum()), "stages": stages}
+    return {"scene": name, "level": level, "contacts": int((found.contact_loads > 0.0).sum()), "stages": stages}
 
 
 def ways_of(name: str) -> list[dict[str, Any]]:
@@ -125,30 +125,40 @@ def ways_of(name: str) -> list[dict[str, Any]]:
         return A_s[-1]
 
     begun: list[float] = []
-    fine = condensation.contact_compliance_in_fine_piece
+    fine = condensation.contact_compliance_in_fine_submodel
     with pytest.MonkeyPatch.context() as put:
         put.setattr(
             condensation, "contact_compliance_in_fine_piece", lambda *given: begun.append(process_time()) or fine(*given)
         )
         put.setattr(condensation, "local_contact_compliance", watched)  # of groove and ball of one side after the other
         put.setattr(setup, "_correct_screw_stiffness", lambda *given: raw.append(given) or finished(*given))
-        base = setup.prepare(scene, wanted, choices, cache=Cache(None))
-    load = solve_reference(base, scene).load
+        base = setup.mesh_and_condense_geometry(scene, wanted, choices, cache=Cache(None))
+    load = solve_reference(base, scene).contact_loads
 
-    def row(way: str, changed: setup.Setup, saved: float) -> dict[str, Any]:
-        moved = np.abs(solve_reference(changed, scene).load - load).max() / load[load > 0.0].mean()
+    def row(way: str, changed: setup.CondensedGeometry, saved: float) -> dict[str, Any]:
+        moved = np.abs(solve_reference(changed, scene).contact_loads - load).max() / load[load > 0.0].mean()
         print(name, way, f"saves {saved:.2f} s, moves a load by {100.0 * moved:.4f} %", flush=True)
         return {"scene": name, "way": way, "saved": round(saved, 2), "moved": round(100.0 * float(moved), 4)}
 
-    def with_own(side: int, value: Array) -> setup.Setup:
-        patches = {**base.patches, side: replace(base.patches[side], local=value)}
+    def with_own(side: int, value: Array) -> setup.CondensedGeometry:
+        patches = {**base.patches_by_flank, side: replace(base.patches_by_flank[side], local=value)}
         if len(wanted) == 4:
             patches[side + 1] = turn_patches_to_right_flank(patches[side])
         return replace(base, patches=patches)
 
     one, other = (s for s in wanted if len(wanted) == 2 or s % 2 == 0)
-    like = A_s[1] if one % 2 == other % 2 else turn_patches_to_right_flank(replace(base.patches[one], local=A_s[1])).local
-    out = [row("one ball's patch for screw and nut", with_own(other, base.patches[other].local - A_s[3] + like), spent[3])]
+    like = (
+        A_s[1]
+        if one % 2 == other % 2
+        else turn_patches_to_right_flank(replace(base.patches_by_flank[one], local=A_s[1])).local_compliance
+    )
+    out = [
+        row(
+            "one ball's patch for screw and nut",
+            with_own(other, base.patches_by_flank[other].local_compliance - A_s[3] + like),
+            spent[3],
+        )
+    ]
     between = np.mean([_own_of(scene, share, choices, wanted) for share in BETWEEN], axis=0)
     out.append(row("screw's patch from a library", with_own(one, between), spent[0] + spent[1]))
     return out + _shafts(scene, base, raw[0], choices, row)
@@ -160,24 +170,28 @@ def _own_of(scene: Scene, share: float, choices: Settings, wanted: tuple[int, ..
     track = replace(scene.track, pitch_radius=share * scene.track.pitch_radius)
     screw, nut = (replace(x, outer_diameter=x.outer_diameter + away) for x in (scene.screw, scene.nut))
     near = replace(scene, track=track, screw=screw, nut=nut)
-    m, layout, dims = GrooveMap.of(near), ball_layout(near), dimensions_of_3d_parts(near)
+    m, layout, dims = GrooveMap.from_scene(near), ball_layout(near), dimensions_of_3d_parts(near)
     meshes = mesh_parts(near, m, layout, dims, wanted, choices)
-    return condense_patches_of_flank(*collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)).local
+    return condense_patches_of_flank(
+        *collect_flank_condensation_arguments(near, m, dims, meshes, wanted[0], choices)
+    ).local_compliance
 
 
-def _shafts(scene: Scene, base: setup.Setup, raw: Any, choices: Settings, row: Callable[..., Any]) -> list[dict[str, Any]]:
+def _shafts(
+    scene: Scene, base: setup.CondensedGeometry, raw: Any, choices: Settings, row: Callable[..., Any]
+) -> list[dict[str, Any]]:
     """What other meshes, and another length, of the shafts do that say what a cut does."""
     screw, _, *rest = raw
-    m, e, bore = base.map, scene.screw.material, scene.screw.bore / 2.0
+    m, e, bore = base.groove_map, scene.screw.material, scene.screw.bore / 2.0
     section = stiffness_of_grooved_shaft(m, scene.screw.outer_diameter / 2.0, bore, e)
 
-    def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.Setup, float]:
-        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.dims.hole)
+    def shafts(cells: float, lengths: Sequence[float]) -> tuple[setup.CondensedGeometry, float]:
+        begin, radii = process_time(), (scene.screw.outer_diameter / 2.0, base.solid_dimensions.hole)
         meshed = [cell.meshed_shaft_flexibility(m, *radii, e, cells * choices.cell, length) for length in lengths]
         spent, found = process_time() - begin, cell.compute_equivalent_beam(m, bore, e, section, meshed)
         return replace(base, screw=setup._correct_screw_stiffness(screw, found, *rest)), spent
 
-    whole = cell.shaft_lengths(m)
+    whole = cell.choose_lengths_of_fitted_shafts(m)
     lead = 2.0 * np.pi * abs(m.rg)
     usual = shafts(1.0, whole)[1]
     ways = [(f"cut's cells {size:g} times as long", size, whole) for size in CELLS]
@@ -194,7 +208,7 @@ if __name__ == "__main__":
     found = {
         "version": __version__,
         "machine": machine_description(),
-        "date": today(),
+        "date": utc_date_text(),
         "jobs": [stages_of(*job) for job in JOBS],
     }
     found["ways"] = [row for name in ("new screw", "flanged") for row in ways_of(name)]

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from rollbench.compare.errors import ArgumentError, name_file_in_refusals
+from rollbench.compare.errors import ArgumentError, show_file_in_scene_errors
 from rollbench.compare.results.data import (
     Ensemble,
     Friction,
@@ -27,13 +27,13 @@ from rollbench.compare.results.data import (
 )
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import scene_or_assembly_or_raise, scenes_of_load_cases
+from rollbench.compare.scenes.scene_file import scene_or_shaft_or_raise, scenes_to_solve
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import limited_to_one_thread
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.models.registry import ModelOptions
     from rollbench.compare.results.comparison import Comparison
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.results.side_by_side import SideBySide
@@ -55,9 +55,9 @@ def read(name: str | Path) -> Described:
 
     Returns
     -------
-    Scene or Assembly or DutyCycle or KindScene
+    Scene or Assembly or DutyCycle or FrictionScene
         Frozen record in SI units: one ball nut or bearing (`Scene`), several nuts or bearings on one shaft (`Assembly`),
-        a scene with several load cases (`DutyCycle`), or parts for which only friction is computed (`KindScene`).
+        a scene with several load cases (`DutyCycle`), or parts for which only friction is computed (`FrictionScene`).
         ``dataclasses.replace`` makes changed copies.
 
     Raises
@@ -72,7 +72,7 @@ def read(name: str | Path) -> Described:
     >>> scene.ball_count, scene.track.lead, scene.loads[0].force
     (32, 0.02, (0.0, 0.0, 5000.0))
     """
-    return catalogue.any_scene(str(name))
+    return catalogue.scene_of_any_kind(str(name))
 
 
 def new(size: str = "", *, kind: str = "ball screw") -> Described:
@@ -88,7 +88,7 @@ def new(size: str = "", *, kind: str = "ball screw") -> Described:
 
     Returns
     -------
-    Scene or Assembly or KindScene
+    Scene or Assembly or FrictionScene
         The scene, complete: it can be solved without changes.
 
     Raises
@@ -158,20 +158,20 @@ def solve(
     >>> round(1e6 * float(result.displacement[2]), 1)  # axial displacement in um
     21.2
     """
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.models.registry import ModelOptions
 
-    options = Options(everything, member, condensed=None if condensed is None else Path(condensed))
+    options = ModelOptions(everything, member, condensed_bodies_file=None if condensed is None else Path(condensed))
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
     chosen = model or ("" if condensed is None else "condensed")
-    return solve_described(_described(scene), chosen, options, stiffness_at, origin, stiffness=True)
+    return solve_scene_record(_scene_record(scene), chosen, options, stiffness_at, origin, stiffness=True)
 
 
-def solve_described(
+def solve_scene_record(
     described: Described,
     model: str,
-    options: Options,
+    options: ModelOptions,
     stiffness_at: float | None = None,
-    origin: str = "",
+    name_for_messages: str = "",
     *,
     stiffness: bool = False,
 ) -> Result:
@@ -187,7 +187,7 @@ def solve_described(
         Options of the model.
     stiffness_at
         Axial position on the shaft [m] at which the stiffness is computed; None: as for `solve`.
-    origin
+    name_for_messages
         File or name by which error messages refer to the scene; if empty, the name of the scene.
     stiffness
         Whether the stiffness at the nut's centre is computed even without axial force, when no other result needs it.
@@ -202,29 +202,29 @@ def solve_described(
     rollbench.InputError
         If the model does not cover the scene.
     """
-    from rollbench.compare.models.answers import Answers, tangent_stiffness_at, tangent_stiffness_at_nut
-    from rollbench.compare.models.load_cases import compute_cycle_results, solve_with_results
-    from rollbench.compare.models.registry import default_model
+    from rollbench.compare.models.answers import SceneResults, tangent_stiffness_at, tangent_stiffness_at_nut
+    from rollbench.compare.models.load_cases import compute_duty_cycle_results, solve_with_results
+    from rollbench.compare.models.registry import default_model_name
     from rollbench.compare.results.solved import result_from_solutions
 
     solved, tangents, at_nut = [], [], []
-    for scene in scenes_of_load_cases(described, origin or described.name):
-        with name_file_in_refusals(scene.name, origin or scene.name):
-            chosen, tangent = model or default_model(scene), None
+    for scene in scenes_to_solve(described, name_for_messages or described.name):
+        with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
+            chosen, tangent = model or default_model_name(scene), None
             if isinstance(scene, Assembly) and stiffness_at is not None:
                 scene = replace(scene, stiffness_at=stiffness_at)
             one = solve_with_results(scene, chosen, options)
-            if isinstance(scene, Scene) and stiffness_at is not None and one.answers is not None:
+            if isinstance(scene, Scene) and stiffness_at is not None and one.derived_results is not None:
                 tangent = tangent_stiffness_at(scene, stiffness_at, chosen, options)
-            K = one.answers.at_nut if isinstance(one.answers, Answers) else None
-            if K is None and stiffness and isinstance(scene, Scene) and one.answers is not None:
+            K = one.derived_results.tangent_at_nut if isinstance(one.derived_results, SceneResults) else None
+            if K is None and stiffness and isinstance(scene, Scene) and one.derived_results is not None:
                 K, _ = tangent_stiffness_at_nut(scene, chosen, options)
             solved.append(one)
             tangents.append(tangent)
             at_nut.append(K)
     if not isinstance(described, DutyCycle):
         return result_from_solutions(solved, tangents, at_nut)
-    return result_from_solutions(solved, tangents, at_nut, described, compute_cycle_results(described, solved))
+    return result_from_solutions(solved, tangents, at_nut, described, compute_duty_cycle_results(described, solved))
 
 
 @limited_to_one_thread()
@@ -263,13 +263,15 @@ def load_curve(scene: Described | str | Path, loads: str, model: str = "", *, me
     >>> [round(1e6 * point.displacement, 1) for point in curve.points]
     [-15.0, -9.2, 0.0, 9.2, 14.9]
     """
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.models.registry import ModelOptions
 
     origin = str(scene) if isinstance(scene, (str, Path)) else ""
-    return load_curve_of(_described(scene), loads, model, Options(member=member), origin)
+    return load_curve_of_scene_record(_scene_record(scene), loads, model, ModelOptions(member=member), origin)
 
 
-def load_curve_of(described: Described, loads: str, model: str, options: Options, origin: str = "") -> LoadCurve:
+def load_curve_of_scene_record(
+    described: Described, loads: str, model: str, options: ModelOptions, name_for_messages: str = ""
+) -> LoadCurve:
     """Compute displacement and stiffness over a range of loads for a scene that has already been read; see `load_curve`.
 
     Parameters
@@ -282,7 +284,7 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
         Name of the model; if empty, the default model of the scene.
     options
         Options of the model.
-    origin
+    name_for_messages
         File or name by which error messages refer to the scene; if empty, the name of the scene.
 
     Returns
@@ -298,8 +300,8 @@ def load_curve_of(described: Described, loads: str, model: str, options: Options
     from rollbench.compare.results.load_curve import compute_load_curve, read_load_range
 
     course = read_load_range(loads)
-    scene: Scene | Assembly = scenes_of_load_cases(described, origin or described.name)[0]
-    with name_file_in_refusals(scene.name, origin or scene.name):
+    scene: Scene | Assembly = scenes_to_solve(described, name_for_messages or described.name)[0]
+    with show_file_in_scene_errors(scene.name, name_for_messages or scene.name):
         return compute_load_curve(scene, course, model, options)
 
 
@@ -342,12 +344,12 @@ def side_by_side(
     [0.0, 16.0]
     """
     origins = [str(x) if isinstance(x, (str, Path)) else x.name for x in scenes]
-    described = [_described(x) for x in scenes]
-    return side_by_side_described(described, origins, model, member, stiffness_at)
+    described = [_scene_record(x) for x in scenes]
+    return side_by_side_of_scene_records(described, origins, model, member, stiffness_at)
 
 
-def side_by_side_described(
-    described: Sequence[Described], origins: Sequence[str], model: str, member: int, stiffness_at: float | None
+def side_by_side_of_scene_records(
+    described: Sequence[Described], names_for_messages: Sequence[str], model: str, member: int, stiffness_at: float | None
 ) -> SideBySide:
     """Solve and compare scenes that have already been read from their files, as `side_by_side` does.
 
@@ -355,7 +357,7 @@ def side_by_side_described(
     ----------
     described
         At least two scenes.
-    origins
+    names_for_messages
         File or name of each scene, for error messages, and as heading if two scenes have the same name.
     model
         Name of the model; if empty, each scene is solved by its default model.
@@ -375,15 +377,15 @@ def side_by_side_described(
     rollbench.InputError
         If there are fewer than two scenes, or the model does not cover one.
     """
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.models.registry import ModelOptions
     from rollbench.compare.results.side_by_side import compare_results_side_by_side
 
     if len(described) < 2:
         raise ArgumentError("scenes", f"{len(described)} scene(s)", "at least two scenes", "use `solve` for one scene")
-    options, names = Options(member=member), [x.name for x in described]
-    pairs = zip(described, origins, strict=True)
-    found = [solve_described(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
-    return compare_results_side_by_side(found, names if len(set(names)) == len(names) else origins)
+    options, names = ModelOptions(member=member), [x.name for x in described]
+    pairs = zip(described, names_for_messages, strict=True)
+    found = [solve_scene_record(x, model, options, stiffness_at, origin, stiffness=True) for x, origin in pairs]
+    return compare_results_side_by_side(found, names if len(set(names)) == len(names) else names_for_messages)
 
 
 @limited_to_one_thread()
@@ -425,7 +427,7 @@ def friction(scene: Described | str | Path, *, mu: Sequence[float] = (), model: 
     """
     from rollbench.compare.studies.friction.solve import friction_for_library
 
-    data = friction_for_library(_described(scene), tuple(mu), model)
+    data = friction_for_library(_scene_record(scene), tuple(mu), model)
     return friction_record_from_json(data)
 
 
@@ -465,9 +467,9 @@ def ensemble(
     >>> several.converged, round(several.outputs["largest_load_N"].mean)
     (4, 350)
     """
-    from rollbench.compare.studies.members.members import ensemble_for_library
+    from rollbench.compare.studies.members.members import run_ensemble
 
-    return ensemble_from_json(ensemble_for_library(_described(scene), model, members, seed, workers, LOG.info))
+    return ensemble_from_json(run_ensemble(_scene_record(scene), model, members, seed, workers, LOG.info))
 
 
 @limited_to_one_thread()
@@ -513,26 +515,26 @@ def compare_models(
     {'refined': 0.2, 'mei': 19.1}
     """
     from rollbench.compare.models.comparison import models_by_name
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.results.comparison import make_comparison, prepare_comparison
     from rollbench.meshes.cache import default_cache_folder
 
     if reference is not None and levels is not None:
         raise ArgumentError("reference", str(reference), "a reference file or `levels`, not both", "leave one of them out")
-    described = _described(scene)
+    described = _scene_record(scene)
     found = prepare_comparison(
         [described],
-        [_origin(scene, described)],
+        [_scene_name_for_messages(scene, described)],
         models_by_name(tuple(models)),
-        Engine(cache=default_cache_folder()),
+        ComputingSettings(cache_folder=default_cache_folder()),
         LOG.info,
         store=Path(store),
         levels=None if levels is None else range(1, levels + 1),
         otherwise=range(1, len(LEVELS) + 1),
         reference=None if reference is None else Path(reference),
     )
-    return make_comparison(described, list(found.compare_each_set()), found.warnings)
+    return make_comparison(described, list(found.compare_each()), found.warnings)
 
 
 @limited_to_one_thread()
@@ -599,11 +601,11 @@ def check(
     ('fail', 7.3, 7.0)
     """
     from rollbench.compare.gate.user import gate_request
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.verdict import judge_scenes
     from rollbench.meshes.cache import default_cache_folder
 
-    described = _described(scene)
+    described = _scene_record(scene)
     request = gate_request(
         model=model,
         loads=None if loads is None else Path(loads),
@@ -616,7 +618,13 @@ def check(
         store=Path(store),
         compute=compute,
     )
-    return judge_scenes([described], [_origin(scene, described)], request, Engine(cache=default_cache_folder()), LOG.info)
+    return judge_scenes(
+        [described],
+        [_scene_name_for_messages(scene, described)],
+        request,
+        ComputingSettings(cache_folder=default_cache_folder()),
+        LOG.info,
+    )
 
 
 @limited_to_one_thread()
@@ -661,13 +669,13 @@ def mesh_study(
     [(1, 0.08), (3, 0.0)]
     """
     from rollbench.compare.studies import roller
-    from rollbench.compare.studies.mesh_study import mesh_study_for_library
+    from rollbench.compare.studies.mesh_study import run_mesh_study
 
-    described = _described(scene)
+    described = _scene_record(scene)
     if isinstance(described, Assembly) and roller.has_rollers(described):
-        return mesh_study_from_json(*roller.roller_study_for_library(described, levels, LOG.info, Path(store)))
-    target = scene_or_assembly_or_raise(described, described.name)
-    found = mesh_study_for_library(target, levels, LOG.info, spread=spread, store=Path(store))
+        return mesh_study_from_json(*roller.run_roller_mesh_study(described, levels, LOG.info, Path(store)))
+    target = scene_or_shaft_or_raise(described, described.name)
+    found = run_mesh_study(target, levels, LOG.info, spread=spread, store=Path(store))
     return mesh_study_from_json(*found)
 
 
@@ -724,9 +732,9 @@ def sweep(
     >>> found.converged, round(found.outputs["largest_load_N"].largest)
     (2, 245)
     """
-    from rollbench.compare.studies.sweep.run import sweep_for_library
+    from rollbench.compare.studies.sweep.run import run_sweep
 
-    data = sweep_for_library(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
+    data = run_sweep(str(scene), vary, samples, method, model, seed, Path(out), outputs, LOG.info)
     return sweep_from_json(data, Path(out))
 
 
@@ -775,12 +783,14 @@ def table(
     >>> [round(float(K[2, 2]) / 1e6) for K in stiffness]  # axial stiffness in N/um
     [301, 381, 438]
     """
-    from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.studies.table import check_request, solve_table
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.studies.table import check_table_request, solve_table
     from rollbench.meshes.cache import default_cache_folder
 
     return solve_table(
-        check_request(str(scene), over, quantities, model, stiffness_at), Engine(cache=default_cache_folder()), LOG.info
+        check_table_request(str(scene), over, quantities, model, stiffness_at),
+        ComputingSettings(cache_folder=default_cache_folder()),
+        LOG.info,
     )
 
 
@@ -817,18 +827,18 @@ def survey(model: str | Sequence[str], *, count: int = 240, max_error: float = 7
     >>> {name: round(error, 1) for name, error in found.median.items()}
     {'lin-printed-hertz': 15.2, 'refined': 0.4, 'lin': 2.6}
     """
-    from rollbench.compare.studies.survey_models import compare_models_on_drawn_screws
+    from rollbench.compare.studies.survey_models import compare_models_on_random_screws
 
     return survey_from_json(
-        compare_models_on_drawn_screws([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info)
+        compare_models_on_random_screws([model] if isinstance(model, str) else model, count, workers, max_error, LOG.info)
     )
 
 
-def _described(scene: Described | str | Path) -> Described:
+def _scene_record(scene: Described | str | Path) -> Described:
     """Return the record of a scene that is given as record, name or file."""
     return read(scene) if isinstance(scene, (str, Path)) else scene
 
 
-def _origin(scene: Described | str | Path, described: Described) -> str:
+def _scene_name_for_messages(scene: Described | str | Path, described: Described) -> str:
     """Return the file or name by which error messages refer to a scene given as record, name or file."""
     return str(scene) if isinstance(scene, (str, Path)) else described.name

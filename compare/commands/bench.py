@@ -16,7 +16,7 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.sections.reference_time import TimePoint
+    from rollbench.compare.sections.reference_time import ErrorAndRunTime
     from rollbench.compare.studies.run_times import RunTimeRow
 
 #: Scene whose models are timed unless the user names others.
@@ -79,17 +79,17 @@ def measure_publication_times(source: str, store: Path | None) -> CommandOutput:
     InputError for a publication without times.
     """
     from rollbench.compare.case import all_cases
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import shipped_store
-    from rollbench.compare.studies.run_times import RunTimeRow, save_times
+    from rollbench.compare.studies.run_times import RunTimeRow, save_run_times
 
     timed = {case.name: case for case in all_cases() if (case.folder / "times.py").is_file()}
     if source not in timed:
         raise ArgumentError("source", f'"{source}"', ", ".join(timed), "choose a publication whose page shows times")
-    study = Study(None if store is None else (store, shipped_store()))
+    study = SceneResultCache(None if store is None else (store, shipped_store()))
     kept = timed[source].import_object("times:measure_run_times")(study, show_progress_message)
     if store is not None:
-        save_times(store, kept, source)
+        save_run_times(store, kept, source)
     note = "new process, empty caches; a further load case {:.3g} s"
     jobs = [
         RunTimeRow(f"{scene}: {way}", t.cold, None, None, t.memory, None, note.format(t.warm))
@@ -113,12 +113,13 @@ def measure_drawn_screws(store: Path) -> CommandOutput:
     runs = time_mesh_levels_on_screws(store, show_progress_message).runs
     jobs = [
         RunTimeRow(
-            f"{s.name} on {s.seconds.size} random screws" + (f", errors by {s.judged_by}" if s.judged_by else ""),
-            float(median(s.seconds)),
-            error_percent=float(median(s.errors)) if s.errors.size else None,
-            note=f"medians, processor time of one core; a further load case {median(s.further):.3g} s",
+            f"{s.name} on {s.first_case_seconds.size} random screws"
+            + (f", errors by {s.reference_level}" if s.reference_level else ""),
+            float(median(s.first_case_seconds)),
+            error_percent=float(median(s.gate_errors)) if s.gate_errors.size else None,
+            note=f"medians, processor time of one core; a further load case {median(s.further_case_seconds):.3g} s",
         )
-        for s in errors_and_times_of_models(runs, survey.records_of_known_screws())
+        for s in errors_and_times_of_models(runs, survey.records_for_error_estimates())
     ]
     return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
 
@@ -130,15 +131,15 @@ def measure_default_times(names: Sequence[str], store: Path | None, *, long: boo
     ``long``: time the mesh levels of the 3D reference instead of commands and threads. Raises InputError for a scene
     without a 3D reference.
     """
-    from rollbench.compare.sections.reference_time import measure_commands
-    from rollbench.compare.studies.run_times import TYPED, save_times, time_ensemble_with_threads
+    from rollbench.compare.sections.reference_time import measure_command_times
+    from rollbench.compare.studies.run_times import TYPED, save_run_times, time_ensemble_with_threads
 
     jobs = [*measure_model_times(names, store if long else None, long=long)]
     if not long:
-        kept = measure_commands(show_progress_message)
+        kept = measure_command_times(show_progress_message)
         if store is not None:
-            save_times(store, kept, TYPED)
-        jobs += [*(command.job for command in kept.typed), *time_ensemble_with_threads()]
+            save_run_times(store, kept, TYPED)
+        jobs += [*(command.job for command in kept.command_times), *time_ensemble_with_threads()]
     return CommandOutput([asdict(job) for job in jobs], _tables_of_times(jobs))
 
 
@@ -147,31 +148,31 @@ def measure_model_times(names: Sequence[str], store: Path | None, *, long: bool)
 
     ``store``: folder in which the times are stored; None: not stored. Raises InputError for a scene without a 3D reference.
     """
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.sections.reference_time import (
-        compared_scenes,
         error_and_time_points,
         measure_run_times,
+        references_of_compared_scenes,
         run_times_to_show,
     )
-    from rollbench.compare.studies.run_times import save_times
+    from rollbench.compare.studies.run_times import save_run_times
 
-    study = Study(None if store is None else (store, shipped_store()))
-    known = compared_scenes(study)
+    study = SceneResultCache(None if store is None else (store, shipped_store()))
+    known = references_of_compared_scenes(study)
     for name in names:
         if name not in known:
             raise ArgumentError("names", name, ", ".join(known), "choose scenes that have a 3D reference")
     wanted = names or (tuple(known) if long else (FIRST,))
-    kept = measure_run_times(study, wanted, show_progress_message, levels=long)
+    kept = measure_run_times(study, wanted, show_progress_message, with_mesh_levels=long)
     if store is not None:
-        save_times(store, kept)
-    study.computed[run_times_to_show, show_progress_message] = kept
+        save_run_times(store, kept)
+    study.computed_values[run_times_to_show, show_progress_message] = kept
     for name in wanted:
         yield from timed_jobs_of_scene(name, error_and_time_points(name, known[name], study, show_progress_message))
 
 
-def timed_jobs_of_scene(scene: str, points: Sequence[TimePoint]) -> Iterator[RunTimeRow]:
+def timed_jobs_of_scene(scene: str, points: Sequence[ErrorAndRunTime]) -> Iterator[RunTimeRow]:
     """Yield, for the table of computing times, the time and error of each model and mesh level on a scene.
 
     ``scene``: name of the scene. ``points``: errors and times of all models and mesh levels; those without a time are left

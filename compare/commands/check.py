@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from rollbench.compare.gate.gate import GateCheck
-    from rollbench.compare.gate.publish import Outcome, VerdictChange
+    from rollbench.compare.gate.publish import VerdictChange, VerdictFileRow
     from rollbench.compare.gate.user import GateRequest
-    from rollbench.compare.models.study import Study
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.models.study import SceneResultCache
+    from rollbench.compare.reference.jobs import ComputingSettings
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class VerdictFiles:
     csv: Path | None = None
     baseline: Path | None = None
 
-    def changed(self, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
+    def changes_since_baseline(self, outcomes: Sequence[VerdictFileRow]) -> list[VerdictChange]:
         """Return the verdicts that differ from those in the baseline file; no verdicts if no baseline was stated.
 
         InputError if the file cannot be read.
         """
-        from rollbench.compare.gate.publish import changes_against_file
+        from rollbench.compare.gate.publish import verdict_changes_since_file
 
-        return [] if self.baseline is None else changes_against_file(self.baseline, outcomes)
+        return [] if self.baseline is None else verdict_changes_since_file(self.baseline, outcomes)
 
     def baseline_change_lines(self, changed: Sequence[VerdictChange]) -> list[str]:
         """Return the changes since the baseline as lines of text; no lines if no baseline was stated."""
@@ -60,7 +60,7 @@ class VerdictFiles:
             f"since {self.baseline.name}: nothing changed"
         ]
 
-    def write(self, outcomes: Sequence[Outcome], notes: Sequence[str]) -> list[str]:
+    def write(self, outcomes: Sequence[VerdictFileRow], notes: Sequence[str]) -> list[str]:
         """Write the verdicts to all requested files, and return a line that names each file."""
         from rollbench.compare.gate.publish import write_verdicts
 
@@ -68,32 +68,34 @@ class VerdictFiles:
         return [f"wrote {path}" for path in written]
 
 
-def judge_and_report(names: Sequence[str], request: GateRequest, engine: Engine, files: VerdictFiles) -> CommandOutput:
+def judge_and_report(
+    names: Sequence[str], request: GateRequest, engine: ComputingSettings, files: VerdictFiles
+) -> CommandOutput:
     """Judge a model, or another program's results, on scenes against their references, and return the verdicts.
 
     ``names``: names or files of the scenes. ``request``: values to judge, limits and reference. ``engine``: computes
     missing runs of the 3D reference. ``files``: files for the verdicts. The exit code is that of the worst verdict. Raises
     InputError if two scenes have the same name.
     """
-    from rollbench.compare.gate.publish import outcome_of_verdict
+    from rollbench.compare.gate.publish import file_row_of_verdict
     from rollbench.compare.gate.verdict import CODES
     from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.verdict import judge_scenes
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
 
-    described = [catalogue.any_scene(name) for name in names]
+    described = [catalogue.scene_of_any_kind(name) for name in names]
     taken: dict[str, str] = {}
     for one, name in zip(described, names, strict=True):
-        for scene in scenes_of_load_cases(one, name):
+        for scene in scenes_to_solve(one, name):
             if scene.name in taken:
                 advice = "rename one of the scenes or load cases"
                 raise InputError(name, "name", scene.name, "a name that no other scene of the command has", advice)
             taken[scene.name] = name
     found = judge_scenes(described, names, request, engine, show_progress_message)
     verdicts, left = found.judged, found.not_judged
-    outcomes = [outcome_of_verdict(v) for v in verdicts]
-    changed = files.changed(outcomes)
+    outcomes = [file_row_of_verdict(v) for v in verdicts]
+    changed = files.changes_since_baseline(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
     below = [f"not judged, because the file or the reference has no value: {', '.join(left)}"] if left else []
     below += files.baseline_change_lines(changed)
@@ -106,29 +108,29 @@ def judge_and_report(names: Sequence[str], request: GateRequest, engine: Engine,
     return CommandOutput(data, parts, CODES[data["verdict"]])
 
 
-def check_shipped_data(study: Study, max_error: float) -> list[GateCheck]:
+def check_shipped_data(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Run all checks of the data and models shipped with rollbench, and return the result of each.
 
-    ``study``: cache of computed values. ``max_error``: largest permitted error of contact loads [%].
+    ``cache``: cache of computed values. ``max_error``: largest permitted error of contact loads [%].
     """
     from rollbench.compare.gate.gate import (
         check_closed_forms,
         check_default_model,
-        check_external_bands,
-        check_lin_model,
-        check_printed_entries,
+        check_external_tolerance_bands,
+        check_known_errors_of_lin_model,
+        check_published_entries,
         check_solvers,
     )
     from rollbench.compare.studies.rolling.rows import gate_rows_of_rolling_balls
 
     return [
-        *check_printed_entries(study, max_error),
-        *check_closed_forms(study, max_error),
-        *check_solvers(study, max_error),
-        *check_default_model(study, max_error),
-        *check_lin_model(study, max_error),
-        *gate_rows_of_rolling_balls(study, max_error),
-        *check_external_bands(study),
+        *check_published_entries(cache, max_error),
+        *check_closed_forms(cache, max_error),
+        *check_solvers(cache, max_error),
+        *check_default_model(cache, max_error),
+        *check_known_errors_of_lin_model(cache, max_error),
+        *gate_rows_of_rolling_balls(cache, max_error),
+        *check_external_tolerance_bands(cache),
     ]
 
 
@@ -138,19 +140,21 @@ def report_shipped_data_checks(max_error: float | None, files: VerdictFiles, *, 
     ``max_error``: largest permitted error of contact loads [%]; None: 7. ``files``: files for the results. ``verbose``:
     also list the checks that pass.
     """
-    from rollbench.compare.gate.publish import outcome_of_check
+    from rollbench.compare.gate.publish import file_row_of_check
     from rollbench.compare.gate.user import fraction_limit_warnings
-    from rollbench.compare.gate.verdict import LIMIT, Limits
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.gate.verdict import LIMIT, ErrorLimits
+    from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.results.base import add_schema_version
 
     limit = LIMIT if max_error is None else max_error
-    rows = check_shipped_data(Study(members=0), limit)  # no random specimens are solved: no check is about random errors
+    rows = check_shipped_data(
+        SceneResultCache(random_draw_count=0), limit
+    )  # no random specimens are solved: no check is about random errors
     bad = [row for row in rows if not row.passed]
-    outcomes = [outcome_of_check(row) for row in rows]
-    changed = files.changed(outcomes)
+    outcomes = [file_row_of_check(row) for row in rows]
+    changed = files.changes_since_baseline(outcomes)
     written = [*files.baseline_change_lines(changed), *files.write(outcomes, files.baseline_change_lines(changed))]
-    warnings = [*fraction_limit_warnings(Limits(limit))]
+    warnings = [*fraction_limit_warnings(ErrorLimits(limit))]
     data = add_schema_version(
         {"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows], "warnings": warnings}
     )
@@ -293,7 +297,7 @@ def check(
         return print_command_output(judge_printed_numbers(source or (), only or ()), as_json)
     refuse_given_arguments({"source": source, "only": only}, "only with --printed", "add --printed")
     from rollbench.compare.gate.user import gate_request
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
 
     files = VerdictFiles(junit, markdown, csv, baseline)
     request = gate_request(
@@ -310,7 +314,9 @@ def check(
         compute=not no_compute,
     )
     if scenes:
-        return print_command_output(judge_and_report(scenes, request, Engine(cache=cache_folder()), files), as_json)
+        return print_command_output(
+            judge_and_report(scenes, request, ComputingSettings(cache_folder=cache_folder()), files), as_json
+        )
     given = {"model": model, "loads": loads, "values": values, "limits": limit}
     given |= {"reference": reference, "strict": strict, "levels": levels, "stored": stored, "no_compute": no_compute}
     refuse_given_arguments(given, "only together with a scene", "state the scenes to judge")

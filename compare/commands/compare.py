@@ -33,13 +33,13 @@ from rollbench.compare.text.printing import (
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rollbench.compare.models.comparison import Referenced
+    from rollbench.compare.models.comparison import SceneWithReference
     from rollbench.compare.reference.estimate import Reference
-    from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.results.compared import ComparedLoads, SetComparison
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.results.compared import LoadsWithErrors, NutOrBearingComparison
     from rollbench.compare.results.comparison import ByCase
     from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
     from rollbench.compare.studies.rolling.rows import RollingComparisonRow
     from rollbench.meshes.parts import Scene
     from rollbench.reports.content import Figure
@@ -77,7 +77,7 @@ def compare_and_report(
     models: Sequence[str],
     levels: tuple[int, ...] | None,
     store: Path,
-    engine: Engine,
+    engine: ComputingSettings,
     *,
     fresh: bool = False,
     balls: bool = False,
@@ -101,33 +101,35 @@ def compare_and_report(
         cycle_summaries_json,
         distinct_duty_cycles,
         prepare_comparison,
-        set_keys,
+        scene_and_set_keys,
     )
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import load_cases_by_scene_name
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
 
     chosen = models_by_name(tuple(models))
-    described = [catalogue.any_scene(name) for name in names]
+    described = [catalogue.scene_of_any_kind(name) for name in names]
     for name, beside in (("levels", levels is not None), ("fresh", fresh)) if reference is not None else ():
         if beside:
             given, advice = "this option with `reference`", "leave one out: the file replaces the 3D reference"
             raise ArgumentError(name, given, "only without `reference`", advice)
     how: dict[str, Any] = {"store": store, "levels": levels, "fresh": fresh, "reference": reference}
     found = prepare_comparison(described, names, chosen, engine, show_progress_message, **how)
-    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_of_load_cases(one, name)]
-    cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.own
+    origins = [(x, name) for one, name in zip(described, names, strict=True) for x in scenes_to_solve(one, name)]
+    cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.from_user_file
 
-    def heading(one: Referenced) -> dict[str, Any]:
-        return set_keys(one) | (cases[one.described].keys if one.described in cases else {})
+    def heading(one: SceneWithReference) -> dict[str, Any]:
+        return scene_and_set_keys(one) | (
+            cases[one.described_scene_name].identifying_values if one.described_scene_name in cases else {}
+        )
 
     def parts() -> Iterator[Any]:
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
-        for one, whole in found.compare_each_set():
-            comparisons.append(((one.described, one.set), whole))
+        for one, whole in found.compare_each():
+            comparisons.append(((one.described_scene_name, one.set_name), whole))
             yield from (
-                f"{one.found.scene}: {comparison_verdict_sentence(whole, one.found)}",
-                *filter(None, [whole.total.beside]),
+                f"{one.reference.scene}: {comparison_verdict_sentence(whole, one.reference)}",
+                *filter(None, [whole.uncertainty.shared_error_sentence]),
                 *warned,
                 "",
             )
@@ -136,45 +138,47 @@ def compare_and_report(
             yield from (
                 format_table_as_text(answers, text_width(), headings),
                 "",
-                model_errors_table(whole.models, whole.itself),
+                model_errors_table(whole.models, whole.reference_loads),
                 "",
             )
             if verbose:
-                yield from (whole.total.text, f"rule of rollbench check: {RULE}")
-                yield from (*displacement_origin_lines(whole), *stored_times_lines(whole.models, whole.itself))
+                yield from (whole.uncertainty.uncertainty_text, f"rule of rollbench check: {RULE}")
+                yield from (*displacement_origin_lines(whole), *stored_times_lines(whole.models, whole.reference_loads))
             if balls:
-                yield from (contact_loads_table(one.scene, whole.models, one.found), "")
-            bodies = path_of_condensed_bodies(one.scene, one.found, stores) if one.of is None else None
+                yield from (contact_loads_table(one.scene, whole.models, one.reference), "")
+            bodies = path_of_condensed_bodies(one.scene, one.reference, stores) if one.place_on_shaft is None else None
             if bodies is not None:
                 name = next(name for scene, name in origins if scene is one.scene)
                 command = f"rollbench solve {shlex.quote(name)} --condensed {shlex.quote(str(bodies))}"
                 yield f"preload, 6 x 6 stiffness and friction with the 3D bodies: {command}"
-            yield write_contact_loads(one.scene, whole.models, one.found, store)
+            yield write_contact_loads(one.scene, whole.models, one.reference, store)
             if not verbose:
                 yield "--verbose also shows: causes of the uncertainty, rule of rollbench check, times of stored runs"
         yield from (line for cycle in distinct_duty_cycles(cases) for line in duty_cycle_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
-        pairs = list(found.compare_each_set())
+        pairs = list(found.compare_each())
         listed = [
             row.as_json() | heading(one)
             for one, whole in pairs
             for b in whole.models
-            for row in comparison_rows(one.scene, b.answer, one.found)
+            for row in comparison_rows(one.scene, b.contact_loads, one.reference)
         ]
-        answers = [(one, comparison_json(whole, one.found) | heading(one)) for one, whole in pairs]
-        out = add_schema_version({"scenes": [x for one, x in answers if one.described not in cases], "rows": listed})
+        answers = [(one, comparison_json(whole, one.reference) | heading(one)) for one, whole in pairs]
+        out = add_schema_version(
+            {"scenes": [x for one, x in answers if one.described_scene_name not in cases], "rows": listed}
+        )
         out |= {"warnings": warnings} if own else {}
         if not cases:
             return out
-        by_name = {(one.described, one.set): whole for one, whole in pairs}
+        by_name = {(one.described_scene_name, one.set_name): whole for one, whole in pairs}
         summaries = [row for cycle in distinct_duty_cycles(cases) for row in cycle_summaries_json(cycle, by_name)]
-        return out | {"summary": summaries, "cases": [x for one, x in answers if one.described in cases]}
+        return out | {"summary": summaries, "cases": [x for one, x in answers if one.described_scene_name in cases]}
 
-    return CommandOutput(data, parts(), exit_code_of_references(one.found for sets in found.references for one in sets))
+    return CommandOutput(data, parts(), exit_code_of_references(one.reference for sets in found.references for one in sets))
 
 
-def contact_loads_table(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> Any:
+def contact_loads_table(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> Any:
     """Return the table, for the terminal, of the loads at every contact of a scene by models and reference.
 
     ``models``: loads by models and coarser meshes.
@@ -275,22 +279,30 @@ def compare(
 
 
 def compare_rolling_and_report(
-    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+    scenes: Sequence[FrictionScene],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    fresh: bool,
+    bodies: str,
 ) -> CommandOutput:
     """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
     ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored
     runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
-    from rollbench.compare.studies.rolling.rows import rolling_comparison, without_infinity
+    from rollbench.compare.studies.rolling.rows import none_for_infinity, rolling_comparison
 
     rows = rolling_comparison(scenes, levels, store, engine, fresh=fresh, bodies=bodies)
     shown = dict.fromkeys(row.scene for row in rows)
     tables = (rolling_comparison_table(name, [row for row in rows if row.scene == name]) for name in shown)
-    return CommandOutput({"rows": [without_infinity(row.as_json()) for row in rows]}, tables)
+    return CommandOutput({"rows": [none_for_infinity(row.as_json()) for row in rows]}, tables)
 
 
-def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]) -> list[KindScene]:
+def scenes_of_friction_or_none(
+    names: Sequence[str], bodies: str, unused_arguments: Mapping[str, bool]
+) -> list[FrictionScene]:
     """Return the named scenes if they are scenes of friction; an empty list if all are whole screws and bearings.
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
@@ -300,10 +312,10 @@ def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_argumen
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
-    scenes = [catalogue.any_scene(name) for name in names]
-    rolling = [scene for scene in scenes if isinstance(scene, KindScene)]
+    scenes = [catalogue.scene_of_any_kind(name) for name in names]
+    rolling = [scene for scene in scenes if isinstance(scene, FrictionScene)]
     if rolling and len(rolling) < len(scenes):
         allowed = "either whole screws and bearings, or scenes of friction"
         raise ArgumentError("scenes", " ".join(names), allowed, "compare them in separate runs")
@@ -326,42 +338,47 @@ def scenes_of_friction_or_none(names: Sequence[str], bodies: str, unused_argumen
 MODEL_COLUMNS = ("model", "max err %", "at", "RMS %", "gate %", "max N", "mean N", "MPa", "uz um", "s")
 
 
-def displacement_origin_lines(comparison: SetComparison) -> list[str]:
+def displacement_origin_lines(comparison: NutOrBearingComparison) -> list[str]:
     """Return a line on the position from which displacements are measured; no line if that is the nominal position.
 
     ``comparison``: comparison of models with the reference for one nut or bearing.
     """
-    if not comparison.start:
+    if not comparison.unloaded_position:
         return []
     return [
         f"displacements of models and reference are measured from the position without loads, which is "
-        f"{1e6 * comparison.start:.3g} um from the nominal position by the model {comparison.judged_model.title}"
+        f"{1e6 * comparison.unloaded_position:.3g} um from the nominal position by the model "
+        f"{comparison.judged_model.title}"
     ]
 
 
-def _model_table_cells(compared_loads: ComparedLoads) -> list[str]:
+def _model_table_cells(compared_loads: LoadsWithErrors) -> list[str]:
     """Return the row of the table of models for one model or the reference, with the columns of `MODEL_COLUMNS`."""
     import numpy as np
 
     from rollbench.compare.measure import mean_load
 
-    e, loads = compared_loads.error, compared_loads.answer.load[compared_loads.answer.load > 0.0]
+    e, loads = compared_loads.error, compared_loads.contact_loads.load[compared_loads.contact_loads.load > 0.0]
     at = "" if e is None else f"{e.ball} {e.side}".strip()
-    errors = () if e is None else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{compared_loads.by_gate:.2f}")
+    errors = (
+        ()
+        if e is None
+        else (f"{e.max_percent:.2f}", at, f"{e.rms_percent:.2f}", f"{compared_loads.gate_error_percent:.2f}")
+    )
     return [
         compared_loads.title,
         *(errors or [""] * 4),
         f"{loads.max(initial=0.0):.1f}",
-        f"{mean_load(loads, compared_loads.contacts):.1f}",
+        f"{mean_load(loads, compared_loads.nominal_contacts):.1f}",
         f"{1e-6 * compared_loads.pressure:.0f}",
-        f"{1e6 * compared_loads.displacement:.3f}" if np.isfinite(compared_loads.displacement) else "–",
+        f"{1e6 * compared_loads.axial_displacement:.3f}" if np.isfinite(compared_loads.axial_displacement) else "–",
         ""
-        if not compared_loads.answer.seconds or compared_loads.answer.measured
-        else f"{compared_loads.answer.seconds:.{0 if compared_loads.answer.seconds >= 10.0 else 2}f}",
+        if not compared_loads.contact_loads.seconds or compared_loads.contact_loads.measured
+        else f"{compared_loads.contact_loads.seconds:.{0 if compared_loads.contact_loads.seconds >= 10.0 else 2}f}",
     ]
 
 
-def model_errors_table(models: Sequence[ComparedLoads], reference: ComparedLoads) -> RenderableType:
+def model_errors_table(models: Sequence[LoadsWithErrors], reference: LoadsWithErrors) -> RenderableType:
     """Return the table with a row for each model and coarser mesh and its errors, after a first row for the reference.
 
     ``models``: loads and errors of models and coarser meshes. ``reference``: loads of the reference.
@@ -369,7 +386,7 @@ def model_errors_table(models: Sequence[ComparedLoads], reference: ComparedLoads
     return plain_table(MODEL_COLUMNS, map(_model_table_cells, (reference, *models)), MODEL_COLUMNS[:1])
 
 
-def stored_times_lines(models: Sequence[ComparedLoads], reference: ComparedLoads) -> list[str]:
+def stored_times_lines(models: Sequence[LoadsWithErrors], reference: LoadsWithErrors) -> list[str]:
     """Return lines with the computing times of stored runs, and the version and computer with which they were measured.
 
     ``models``: results of models and coarser meshes. ``reference``: results of the reference. The table of models has only
@@ -377,12 +394,12 @@ def stored_times_lines(models: Sequence[ComparedLoads], reference: ComparedLoads
     """
     by_stamp: dict[str, list[str]] = {}
     for b in (reference, *models):
-        if b.answer.seconds and b.answer.measured:
-            by_stamp.setdefault(b.answer.measured, []).append(f"{b.title} {b.answer.seconds:.0f} s")
+        if b.contact_loads.seconds and b.contact_loads.measured:
+            by_stamp.setdefault(b.contact_loads.measured, []).append(f"{b.title} {b.contact_loads.seconds:.0f} s")
     return [f"stored times, measured with {stamp}: {', '.join(times)}" for stamp, times in by_stamp.items()]
 
 
-def contact_load_rows(scene: Scene, models: Sequence[ComparedLoads], reference: Reference) -> list[dict[str, Any]]:
+def contact_load_rows(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference) -> list[dict[str, Any]]:
     """Return a row for each loaded contact: load of the reference, its uncertainty, and loads of the models [N].
 
     ``models``: loads of models and coarser meshes, (n, 4) [N] each.
@@ -392,21 +409,21 @@ def contact_load_rows(scene: Scene, models: Sequence[ComparedLoads], reference: 
     from rollbench.meshes.parts import SIDES
 
     rows = []
-    loaded = (reference.load > 0.0) | np.any([b.answer.load > 0.0 for b in models], axis=0)
+    loaded = (reference.load > 0.0) | np.any([b.contact_loads.load > 0.0 for b in models], axis=0)
     for i, s in zip(*np.nonzero(loaded), strict=True):
         row: dict[str, Any] = {"scene": scene.name, "ball": int(i) + 1, "side": SIDES[int(s)]}
         row |= {"reference_N": float(reference.load[i, s])}
         row |= {"uncertainty_N": float(reference.uncertainty[i, s])}
-        rows.append(row | {f"{b.title}_N": float(b.answer.load[i, s]) for b in models})
+        rows.append(row | {f"{b.title}_N": float(b.contact_loads.load[i, s]) for b in models})
     return rows
 
 
-def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference) -> Figure:
+def load_figure(name: str, models: Sequence[LoadsWithErrors], reference: Reference) -> Figure:
     """Return the figure of contact loads over the ball number, with a panel for each loaded groove flank of the screw.
 
     ``name``: file name of the figure. ``models``: loads by models and coarser meshes; only those by models are drawn.
     """
-    from rollbench.compare.models.registry import is_model
+    from rollbench.compare.models.registry import is_model_name
     from rollbench.compare.results.compared import OURS
     from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
     from rollbench.meshes.parts import SIDES
@@ -417,12 +434,16 @@ def load_figure(name: str, models: Sequence[ComparedLoads], reference: Reference
         if not (reference.load[:, s] > 0.0).any():
             continue
         series = [contact_load_curve(reference.label, reference, s, emphasis=True, uncertainty=reference.uncertainty)]
-        series += [contact_load_curve(b.title, b.answer, s, "line") for b in models if b.label == OURS or is_model(b.label)]
+        series += [
+            contact_load_curve(b.title, b.contact_loads, s, "line")
+            for b in models
+            if b.label == OURS or is_model_name(b.label)
+        ]
         panels.append(contact_load_panel(f"screw's flank {SIDES[s]}", *series))
     return Figure(name, "Contact loads: prediction and reference", panels)
 
 
-def write_contact_loads(scene: Scene, models: Sequence[ComparedLoads], reference: Reference, store: Path) -> str:
+def write_contact_loads(scene: Scene, models: Sequence[LoadsWithErrors], reference: Reference, store: Path) -> str:
     """Write the loads of all contacts (CSV) and their figure (SVG) to the folder ``store``.
 
     ``models``: loads of models and coarser meshes. Returns a line that names both files.
@@ -456,11 +477,11 @@ def rolling_comparison_table(name: str, rows: Sequence[RollingComparisonRow]) ->
 
     ``name``: name of the scene. ``rows``: for each quantity, its values by all models.
     """
-    from rollbench.compare.studies.rolling.rows import UNSTATED, without_infinity
+    from rollbench.compare.studies.rolling.rows import UNSTATED, none_for_infinity
 
     state = f" ({rows[0].load_state} load state{UNSTATED})" if rows[0].load_state else ""
     title = f"{name}{state}: low-order model against the 3D model of rolling"
-    known = [without_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
+    known = [none_for_infinity({key: getattr(r, key) for key, *_ in ROLLING_COLUMNS}) for r in rows]
     cells = (
         [f"{r.quantity} [{r.unit}]", *(format_cell(x[key], form) for key, _, form in ROLLING_COLUMNS)]
         for r, x in zip(rows, known, strict=True)

@@ -52,12 +52,12 @@ class MachineCheck:
     name: str
     state: State
     found: str
-    cost: str = ""
+    effect: str = ""
     advice: str = ""
 
     def line(self) -> str:
         """Return the result of the check as one line of text."""
-        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
+        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.effect, self.advice)))
 
 
 def check_machine(store: Path) -> CommandOutput:
@@ -239,7 +239,7 @@ def _check_shipped_runs() -> Iterator[MachineCheck]:
     from rollbench.compare.reference.store import PROGRAMS
     from rollbench.compare.scenes import catalogue
 
-    names = catalogue.names_with_role("referenced")
+    names = catalogue.names_of_scenes_with_role("referenced")
     held = [kept for name in names if (kept := reference_of_scene(catalogue.scene(name))) is not None]
     programs = ", ".join(
         f"{program} {' and '.join(sorted({run.versions[program] for kept in held for run in kept.runs}))}"
@@ -279,7 +279,7 @@ def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) 
     text = app.generate_completion(prog_name="rollbench", shell=shell)
     if install:
         path = app.install_completion(shell=shell)
-        print_command_output(CommandOutput(parts=[f"wrote {path}; the completion works in a new shell"]))
+        print_command_output(CommandOutput(texts_and_tables=[f"wrote {path}; the completion works in a new shell"]))
     else:
         with guard_standard_output():
             sys.stdout.write(f"{text}\n")

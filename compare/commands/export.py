@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rollbench.compare.commands.terminal import Flag, Json, Word, app, cache_folder
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.running import (
     check_gmsh,
     check_packages,
@@ -27,7 +27,7 @@ from rollbench.compare.text.printing import CommandOutput, format_cell, print_co
 
 if TYPE_CHECKING:
     from rollbench.compare.reference.estimate import Reference
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.tasks import Solvable
     from rollbench.compare.studies.crosscheck.results import CalculixRunsOfScene, ContactLoadComparison
     from rollbench.meshes.arrays import Array
@@ -123,10 +123,14 @@ def export(
             given = f"{deck} with an option for meshes"
             raise ArgumentError("deck", given, "no part, `format`, `level` or `ball` with a deck", "leave these out")
         check_packages("scikit-fem")
-        from rollbench.compare.studies.export import write_deck
+        from rollbench.compare.studies.export import write_calculix_deck
 
         return print_command_output(
-            CommandOutput(parts=[write_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)])
+            CommandOutput(
+                texts_and_tables=[
+                    write_calculix_deck(deck, unit, balls, b_over_h, growth, stiffness, catalogue.scene(scene), out)
+                ]
+            )
         )
     if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
         given = "one of these options without --deck"
@@ -141,7 +145,7 @@ def export(
             allowed = "no part, `level` or `ball` with this format, which writes all parts"
             raise ArgumentError("format", "step with an option for meshes", allowed, "leave these options out")
         return print_command_output(
-            write_step_bodies(scene_file.scene_or_assembly_or_raise(catalogue.any_scene(scene), scene), out)
+            write_step_bodies(scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene), out)
         )
     return print_command_output(
         write_part_mesh(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), ball=ball)
@@ -158,7 +162,9 @@ def write_scene_json(scene: Scene, out: Path | None) -> CommandOutput:
 
     out = out or Path(f"{scene.name}.json")
     replace_file(out, scene_json(scene))
-    return CommandOutput(parts=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"])
+    return CommandOutput(
+        texts_and_tables=[f"wrote {out}: the scene in SI units, its balls with their errors and Hertz constants"]
+    )
 
 
 def write_part_mesh(
@@ -184,9 +190,9 @@ def write_part_mesh(
         BLOCK,
         BODIES,
         SOCKETS,
-        displacement_and_stress_of_part,
-        exported_parts,
+        names_of_exportable_parts,
         part_mesh,
+        solve_displacement_and_stress_of_part,
     )
     from rollbench.meshes.exchange.mesh_files import (
         FORMATS,
@@ -196,8 +202,8 @@ def write_part_mesh(
         write_mesh,
     )
 
-    if part not in exported_parts(scene):
-        raise ArgumentError("part", part, ", ".join(exported_parts(scene)), "choose one of these")
+    if part not in names_of_exportable_parts(scene):
+        raise ArgumentError("part", part, ", ".join(names_of_exportable_parts(scene)), "choose one of these")
     if form and form not in FORMATS:
         raise ArgumentError("format", form, ", ".join(FORMATS), "choose one of these, or let the file's suffix decide")
     if out is None:
@@ -229,10 +235,10 @@ def write_part_mesh(
             refuse_supports_beyond_low_end(scene, dimensions_of_3d_parts(scene))
         mesh = part_mesh(scene, part, level, cache)
         if ball is not None:
-            fields = displacement_and_stress_of_part(scene, part, level, ball - 1, cache)
+            fields = solve_displacement_and_stress_of_part(scene, part, level, ball - 1, cache)
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
-        raise Refusal(scene.name, part, str(error), advice) from error
+        raise SceneNotCoveredError(scene.name, part, str(error), advice) from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         write_mesh(out, mesh, fields, region=part, file_format=form)
@@ -245,7 +251,7 @@ def write_part_mesh(
     lines.append(f"wrote {out}: {nodes} nodes, {cells}; lengths in m; groups: {', '.join(mesh.boundaries) or 'none'}")
     if loses_nodes_in_format(mesh, form):
         lines.append(f".{form} files cannot contain 27-node hexahedra: 20-node hexahedra were written")
-    return CommandOutput(parts=lines)
+    return CommandOutput(texts_and_tables=lines)
 
 
 def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
@@ -255,31 +261,31 @@ def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
     the REXS format cannot represent the scene.
     """
     from rollbench.compare.files import check_writable, replace_file
-    from rollbench.compare.models.load_cases import SolvedAxis, solve_axis_with_results
-    from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.models.load_cases import ShaftSolution, solve_shaft_with_results
+    from rollbench.compare.models.registry import ModelOptions, default_model_name
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import DutyCycle
-    from rollbench.compare.studies.to_rexs import rexs_text
+    from rollbench.compare.studies.to_rexs import rexs_file_with_results
     from rollbench.meshes.axis import Assembly
 
-    described = catalogue.any_scene(typed)
+    described = catalogue.scene_of_any_kind(typed)
     each = [case.scene for case in described.cases] if isinstance(described, DutyCycle) else [described]
-    solved: list[SolvedAxis] = []
+    solved: list[ShaftSolution] = []
     check_writable(out)
     for scene in each:
         if not isinstance(scene, Assembly):
             kind = getattr(scene, "kind", "a scene with a single nut or bearing")
             raise InputError(typed, "kind", kind, 'kind = "axis"', "write the bearings as [[sets]] of an axis")
-        solved.append(solve_axis_with_results(scene, model or default_model(scene), Options()))
+        solved.append(solve_shaft_with_results(scene, model or default_model_name(scene), ModelOptions()))
         if not solved[-1].result.converged:
             advice = "correct the scene; rollbench solve shows the reason"
-            raise Refusal(scene.name, "loads", str(solved[-1].result.status), advice)
+            raise SceneNotCoveredError(scene.name, "loads", str(solved[-1].result.status), advice)
     assert isinstance(described, Assembly | DutyCycle)
-    text, notes = rexs_text(described, solved)
+    text, notes = rexs_file_with_results(described, solved)
     replace_file(out, text)
     cases = f"{len(solved)} load cases" if len(solved) > 1 else "its results as load case 1"
     lines = [f"not in REXS: {note}" for note in notes]
-    return CommandOutput(parts=[*lines, f"wrote {out}: REXS 1.7, {cases}"], folded=True)
+    return CommandOutput(texts_and_tables=[*lines, f"wrote {out}: REXS 1.7, {cases}"], wrap_always=True)
 
 
 def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None) -> CommandOutput:
@@ -289,20 +295,20 @@ def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None)
     and if the table lacks a combination of its values.
     """
     from rollbench.compare.files import replace_file
-    from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_text, read_table, ross_text
-    from rollbench.compare.text.solved import failure_lines
+    from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_table_text, read_table_file, ross_module_text
+    from rollbench.compare.text.solved import missing_result_lines
 
-    table = read_table(scene)
-    lines = [f"left out: {line}" for line in failure_lines(table)]
+    table = read_table_file(scene)
+    lines = [f"left out: {line}" for line in missing_result_lines(table)]
     if ross is not None:
-        replace_file(ross, ross_text(table))
+        replace_file(ross, ross_module_text(table))
         lines.append(f"wrote {ross}. {ROSS_DROPS}")
     if modelica is not None:
-        text, left = modelica_text(table)
+        text, left = modelica_table_text(table)
         replace_file(modelica, text)
         lines += [f"left out: {line}" for line in left[len(table.failures) :]]
         lines.append(f"wrote {modelica}: all terms, by the definition of the format; not tested with OpenModelica")
-    return CommandOutput(parts=lines, folded=True)
+    return CommandOutput(texts_and_tables=lines, wrap_always=True)
 
 
 _LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
@@ -328,7 +334,7 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
     except ValueError as error:
         advice = "change the keys of [solid] or the nut's length in the scene"
-        raise Refusal(described.name, "step", str(error), advice) from error
+        raise SceneNotCoveredError(described.name, "step", str(error), advice) from error
     bodies, *grooves = files
     lines = [f"wrote {bodies}: shaft, nuts and balls{' without their grooves' if grooves else ''}; lengths in mm"]
     for path in grooves:
@@ -344,26 +350,26 @@ def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: P
     ``out``: the file; None: ``<scene>-condensed.npz``. The file is written completely or not at all.
     Raises InputError for a level out of range, a mesh that cannot be built, and a file that cannot be written.
     """
-    from rollbench.compare.files import check_writable, os_errors_as_input_errors
+    from rollbench.compare.files import check_writable, raise_input_error_if_not_writable
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.tasks import mesh_settings
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases, single_set_or_raise
+    from rollbench.compare.scenes.scene_file import scenes_to_solve, single_nut_scene_or_raise
 
     if level not in LEVELS:
         raise ArgumentError("level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
-    described = catalogue.any_scene(typed)
-    scenes = [single_set_or_raise(x, typed) for x in scenes_of_load_cases(described, typed)]
+    described = catalogue.scene_of_any_kind(typed)
+    scenes = [single_nut_scene_or_raise(x, typed) for x in scenes_to_solve(described, typed)]
     scene = scenes[0]
     out = out or Path(f"{described.name}-condensed.npz")
     check_writable(out)
     check_reference_programs()
     from rollbench.hifi.condensed import collect_condensed_bodies
-    from rollbench.hifi.setup import prepare
+    from rollbench.hifi.setup import mesh_and_condense_geometry
     from rollbench.meshes.cache import Cache
 
     try:
-        setup = prepare(
+        setup = mesh_and_condense_geometry(
             scene,
             (0, 1, 2, 3),
             mesh_settings(scenes, level),
@@ -374,11 +380,11 @@ def write_condensed_bodies(typed: str, out: Path | None, level: int, *, cache: P
     except MemoryError as error:
         raise out_of_memory_error(error) from error
     except ValueError as error:
-        raise Refusal(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
-    with os_errors_as_input_errors(out):
+        raise SceneNotCoveredError(scene.name, "3D bodies", str(error), "change the keys that the reason names") from error
+    with raise_input_error_if_not_writable(out):
         collect_condensed_bodies(setup, level).save(out)
     command = f"rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}"
-    return CommandOutput(parts=[f"wrote {out}; use it with: {command}"])
+    return CommandOutput(texts_and_tables=[f"wrote {out}; use it with: {command}"])
 
 
 @app.command
@@ -399,7 +405,7 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
 
 
 def compare_with_calculix(
-    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: Engine
+    name: str, *, run: bool, fresh: bool, data: Path | None, work: Path, store: Path, engine: ComputingSettings
 ) -> CommandOutput:
     """Compare the contact loads of a scene by the 3D reference with those by CalculiX, and return tables and sentences.
 
@@ -411,38 +417,37 @@ def compare_with_calculix(
     from rollbench.compare.studies.crosscheck.results import (
         agreement_sentence,
         compare_contact_loads,
-        load_results,
-        save_results,
-        shipped_results,
+        load_calculix_results,
+        save_calculix_results,
+        shipped_results_folder,
     )
     from rollbench.compare.studies.crosscheck.study import (
         NUT_SCENE,
         compare_nut_compliance,
         digest_of_shipped_scene,
-        load_nut,
-        save_nut,
+        load_nut_compliance,
+        save_nut_compliance,
         scene_compared_with_calculix,
         solve_decks_of_scene,
     )
 
-    scene, folder = scene_compared_with_calculix(name), data or shipped_results()
+    scene, folder = scene_compared_with_calculix(name), data or shipped_results_folder()
     written = []
     if run:
         check_gmsh()
-        kept = None if fresh else load_results(folder, scene.name)
+        kept = None if fresh else load_calculix_results(folder, scene.name)
         stored_runs = kept.runs if kept is not None and kept.key == digest_of_shipped_scene(scene.name) else ()
         written.append(
-            f"wrote {save_results(folder, solve_decks_of_scene(scene, work, show_progress_message, stored_runs))}"
+            f"wrote {save_calculix_results(folder, solve_decks_of_scene(scene, work, show_progress_message, stored_runs))}"
         )
-        if scene.name == NUT_SCENE and (fresh or load_nut(folder) is None):
-            written.append(
-                f"wrote {save_nut(folder, compare_nut_compliance(scene, work, key=digest_of_shipped_scene(scene.name)))}"
-            )
+        if scene.name == NUT_SCENE and (fresh or load_nut_compliance(folder) is None):
+            compliance = compare_nut_compliance(scene, work, key=digest_of_shipped_scene(scene.name))
+            written.append(f"wrote {save_nut_compliance(folder, compliance)}")
     found = stored_calculix_results(folder, scene)
     ours = _find_or_compute_reference(scene, store, engine)
     rows = compare_contact_loads(found, ours)
     agreed = agreement_sentence(scene.name, rows)
-    alone = load_nut(folder)
+    alone = load_nut_compliance(folder)
     sentence = (
         [alone.sentence_on_agreement()] if alone is not None and alone.key == digest_of_shipped_scene(scene.name) else []
     )
@@ -455,10 +460,10 @@ def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
 
     Raises InputError if there are none, or if they belong to another scene of the same name.
     """
-    from rollbench.compare.studies.crosscheck.results import load_results
+    from rollbench.compare.studies.crosscheck.results import load_calculix_results
     from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene
 
-    found = load_results(folder, scene.name)
+    found = load_calculix_results(folder, scene.name)
     if found is None:
         allowed, advice = ", ".join(STUDIES), "solve the scene with CalculiX by `run=True`"
         raise InputError(scene.name, "crosscheck", "a scene without stored results", allowed, advice)
@@ -468,20 +473,20 @@ def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
     return found
 
 
-def _find_or_compute_reference(scene: Scene, store: Path, engine: Engine) -> Reference:
+def _find_or_compute_reference(scene: Scene, store: Path, engine: ComputingSettings) -> Reference:
     """Return the 3D reference of a scene; it is computed if no run is stored.
 
     ``store``: folder of stored runs. ``engine``: computes missing runs. Raises InputError if no run converged.
     """
     from rollbench.compare.reference.estimate import reference_of_scene
-    from rollbench.compare.reference.jobs import ensure, plan_tasks
+    from rollbench.compare.reference.jobs import ensure_runs_are_stored, plan_tasks
     from rollbench.compare.reference.levels import LEVELS
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store, shipped_store())
     found = reference_of_scene(scene, stores)
     if found is None:
-        ensure(plan_tasks([scene], tuple(LEVELS)), store, engine, show_progress_message, stores)
+        ensure_runs_are_stored(plan_tasks([scene], tuple(LEVELS)), store, engine, show_progress_message, stores)
         found = reference_of_scene(scene, stores)
     if found is None:
         wanted = "a scene whose contact problem has a solution", f"read the status of the runs in the folder {store}"
@@ -530,8 +535,8 @@ def crosscheck(
     store
         Folder of stored runs of the 3D reference, used in addition to the shipped runs; a missing run is computed.
     """
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
 
-    where = Engine(cache=cache_folder())
+    where = ComputingSettings(cache_folder=cache_folder())
     found = compare_with_calculix(scene, run=run, fresh=fresh, data=data, work=work, store=store, engine=where)
     return print_command_output(found, as_json)

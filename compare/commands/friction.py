@@ -88,16 +88,16 @@ def solve_and_report_friction(
     """
     from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.running import checked_time_limit, watch_running_time
-    from rollbench.compare.studies.friction.solve import answer_json, solve_friction_of_named_scene
+    from rollbench.compare.studies.friction.solve import friction_answer_json, solve_friction_of_named_scene
 
     with watch_running_time(f"{one_line(name)}, friction", checked_time_limit(time_limit)):
         found = solve_friction_of_named_scene(name, choices, lambda line: show_progress_message(f"rollbench: {line}"))
     code = 1 if not found.converged or (strict and found.warning) else 0
     return CommandOutput(
-        add_schema_version(answer_json(found)),
+        add_schema_version(friction_answer_json(found)),
         friction_terminal_parts(found, balls=balls, details=details),
         code,
-        folded=True,
+        wrap_always=True,
     )
 
 

@@ -11,9 +11,9 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, table_of_records
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.reference.tasks import Solvable
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
 
 @app.command(name="mesh-study")
@@ -75,7 +75,14 @@ def mesh_study(
 
 
 def study_rolling_contact(
-    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+    scenes: Sequence[FrictionScene],
+    levels: int | None,
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    source: bool,
+    fresh: bool,
+    bodies: str,
 ) -> CommandOutput:
     """Compute missing runs of the 3D model of rolling contact, and return a table of mesh levels for each scene.
 
@@ -94,32 +101,39 @@ def study_rolling_contact(
 
 
 def study_mesh_levels(
-    names: Sequence[str], count: int | None, store: Path, engine: Engine, *, spread: bool, source: bool, fresh: bool = False
+    names: Sequence[str],
+    count: int | None,
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    spread: bool,
+    source: bool,
+    fresh: bool = False,
 ) -> CommandOutput:
     """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
     The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
-    `chosen_levels`. ``spread``: whether modelling choices that the scene's source leaves open are varied. ``source``:
-    whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again. Raises InputError for
-    unknown levels, Refusal if no run of a scene converged.
+    `mesh_levels_of_study`. ``spread``: whether modelling choices that the scene's source leaves open are varied.
+    ``source``: whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again. Raises
+    InputError for unknown levels, Refusal if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code_of_references
     from rollbench.compare.files import reason_without_figure, write_csv, write_figure
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
     from rollbench.compare.sections.curves import mesh_convergence_figure
     from rollbench.compare.studies.mesh_study import (
-        accuracy_sentence,
-        chosen_levels,
         compute_references_on_levels,
-        mesh_level_rows,
+        mesh_accuracy_sentence,
+        mesh_level_table_rows,
+        mesh_levels_of_study,
         mesh_study_rows_for_terminal,
         mesh_study_table_of_bearing,
     )
 
-    scenes: list[Solvable] = [x for name in names for x in scenes_of_load_cases(catalogue.any_scene(name), name)]
-    stores, levels = (store,) if fresh else (store, shipped_store()), chosen_levels(count)
+    scenes: list[Solvable] = [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]
+    stores, levels = (store,) if fresh else (store, shipped_store()), mesh_levels_of_study(count)
     references = compute_references_on_levels(
         scenes, levels, stores, engine, show_progress_message, spread=spread, source=source, fresh=fresh
     )
@@ -127,23 +141,23 @@ def study_mesh_levels(
     parts: list[Any] = []
     for one in references:
         table, stem = mesh_study_table_of_bearing(one, stores, levels), store / f"{one.scene.name}-mesh-study"
-        rows = table if one.of is None else [{"set": one.of.name, **row} for row in table]
-        tables[one.scene.name if one.of is None else one.of.assembly.name] += rows
+        rows = table if one.place_on_shaft is None else [{"set": one.place_on_shaft.name, **row} for row in table]
+        tables[one.scene.name if one.place_on_shaft is None else one.place_on_shaft.assembly.name] += rows
         write_csv(Path(f"{stem}.csv"), rows)
-        figure = mesh_convergence_figure(one.scene.name, table, one.found)
+        figure = mesh_convergence_figure(one.scene.name, table, one.reference)
         if figure is not None:
             write_figure(Path(f"{stem}.svg"), figure)
         parts += [
-            f"mesh study of {one.found.scene}",
+            f"mesh study of {one.reference.scene}",
             "",
-            table_of_records(mesh_level_rows(one.found)),
+            table_of_records(mesh_level_table_rows(one.reference)),
             "",
             table_of_records(mesh_study_rows_for_terminal(table)),
             "",
         ]
-        parts += [accuracy_sentence(one.found), *filter(None, [one.found.unsettled])]
+        parts += [mesh_accuracy_sentence(one.reference), *filter(None, [one.reference.unsettled])]
         parts.append(f"every contact: {stem}.csv and {reason_without_figure() or '.svg'}")
-    return CommandOutput(tables, parts, exit_code_of_references(one.found for one in references))
+    return CommandOutput(tables, parts, exit_code_of_references(one.reference for one in references))
 
 
 def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, bool], where: ComputeOptions | None) -> bool:
@@ -157,7 +171,7 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.studies.roller import has_rollers
 
-    have = [has_rollers(catalogue.any_scene(name)) for name in names]
+    have = [has_rollers(catalogue.scene_of_any_kind(name)) for name in names]
     if any(have) and not all(have):
         allowed = "either scenes with tapered rollers, or scenes without"
         raise ArgumentError("scenes", " ".join(names), allowed, "study them in separate runs")
@@ -179,24 +193,24 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
     from rollbench.compare.files import write_csv
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
     from rollbench.compare.studies import roller
     from rollbench.meshes.axis import Assembly
 
     found: dict[str, list[dict[str, Any]]] = {}
     parts: list[Any] = []
-    for scene in [x for name in names for x in scenes_of_load_cases(catalogue.any_scene(name), name)]:
+    for scene in [x for name in names for x in scenes_to_solve(catalogue.scene_of_any_kind(name), name)]:
         assert isinstance(scene, Assembly)
         for one, runs in roller.compute_runs_of_roller_kinds(
             scene, count, (store, shipped_store()), show_progress_message, fresh=fresh
         ):
-            said = roller.study_json(one, runs)
+            said = roller.roller_mesh_study_json(one, runs)
             found.setdefault(scene.name, []).append(said)
-            stem = store / f"{scene.name}-{one.sets[0]}-roller".replace(" ", "-")
+            stem = store / f"{scene.name}-{one.bearing_names[0]}-roller".replace(" ", "-")
             write_csv(Path(f"{stem}.csv"), said["quantities"])
             write_csv(Path(f"{stem}-profile.csv"), said["profile"])
             parts += [
-                f"mesh study of {scene.name}: a roller of {', '.join(one.sets)}",
+                f"mesh study of {scene.name}: a roller of {', '.join(one.bearing_names)}",
                 "",
                 table_of_records(said["levels"]),
                 "",
@@ -204,7 +218,7 @@ def study_single_rollers(names: Sequence[str], count: int | None, store: Path, *
             parts += [
                 table_of_records(roller.roller_rows_for_terminal(said["quantities"])),
                 "",
-                roller.low_order_sentence(one, runs),
+                roller.low_order_error_sentence(one, runs),
             ]
             parts.append(f"along the roller: {stem}-profile.csv")
     return CommandOutput(found, parts)

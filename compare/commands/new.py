@@ -61,7 +61,9 @@ def new(
     schema_line = f"#:schema {files.shipped_path('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
     write_new_file(file, schema_line + new_scene_text(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"
-    print_command_output(CommandOutput(parts=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"]))
+    print_command_output(
+        CommandOutput(texts_and_tables=[f"wrote {file}; solve it with: rollbench {command} {quote(str(file))}"])
+    )
 
 
 def write_scene_from_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) -> CommandOutput:
@@ -89,7 +91,7 @@ def write_scene_from_rexs(file: Path, rexs: Path, shaft: str, given: list[str]) 
     write_new_file(file, text)
     lines = [f"not converted: {note}" for note in notes]
     lines.append(f"wrote {file}; solve it with: rollbench solve {quote(str(file))}")
-    return CommandOutput(parts=lines, folded=True)
+    return CommandOutput(texts_and_tables=lines, wrap_always=True)
 
 
 @app.command

@@ -13,8 +13,8 @@ from rollbench.compare.errors import ArgumentError
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.evidence import Evidence
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.evidence import PrintedEntryComparison
+    from rollbench.compare.models.study import SceneResultCache
 
 
 def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Path | None = None) -> CommandOutput:
@@ -24,34 +24,38 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
     empty, all of these publications. ``write``: file for the verdicts. Raises InputError for an unknown name.
     """
     from rollbench.compare.files import replace_file
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.models.study import SceneResultCache
 
-    rows = judged_entries(Study(), sources, only)
+    rows = judged_entries(SceneResultCache(), sources, only)
     if write is not None:
         verdicts = {row.printed.name: row.verdict for row in rows}
         replace_file(write, json.dumps(verdicts, indent=0) + "\n")
-    changed = [row.change for row in rows if row.change]
+    changed = [row.verdict_change for row in rows if row.verdict_change]
     return CommandOutput(printed_entries_json(rows, changed), printed_entries_table(rows, changed), 1 if changed else 0)
 
 
-def judged_entries(study: Study, sources: Sequence[str] = (), only: Sequence[str] = ()) -> list[Evidence]:
+def judged_entries(
+    cache: SceneResultCache, sources: Sequence[str] = (), only: Sequence[str] = ()
+) -> list[PrintedEntryComparison]:
     """Return the numbers and claims of some publications or printed tables with the values computed for them.
 
-    ``study``: cache of computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
+    ``cache``: cache of computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
     tables and entries ("table:key"); if empty, all of these publications. The order is that of the tables. Raises
     InputError for an unknown name.
     """
     from rollbench.compare.case import all_cases
     from rollbench.compare.evidence import all_computations, evidence
-    from rollbench.compare.printed import load_table
+    from rollbench.compare.printed import load_printed_table
 
     cases = [case.name for case in all_cases() if case.title]
     _refuse_unknown_names("source", sources, cases)
     tables = [name for name, one in sorted(all_computations().items()) if not sources or one.case.name in sources]
-    names = {row.name for table in tables for row in load_table(table)} if any(":" in word for word in only) else set()
+    names = (
+        {row.name for table in tables for row in load_printed_table(table)} if any(":" in word for word in only) else set()
+    )
     _refuse_unknown_names("only", only, [*tables, *sorted(names)])
     asked = only or tables
-    found = evidence(study, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
+    found = evidence(cache, *(name for name in tables if any(word.partition(":")[0] == name for word in asked)))
     return [one for one in found if one.printed.table in asked or one.printed.name in asked]
 
 
@@ -69,7 +73,7 @@ def _refuse_unknown_names(argument: str, given: Sequence[str], names: Sequence[s
             raise ArgumentError(argument, f'"{word}"', allowed, advice)
 
 
-def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> dict[str, Any]:
+def printed_entries_json(rows: Sequence[PrintedEntryComparison], changed: Sequence[str]) -> dict[str, Any]:
     """Return judged printed numbers and claims as JSON, with counts of the verdicts, misprints, and numbers not compared.
 
     ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
@@ -86,7 +90,7 @@ def printed_entries_json(rows: Sequence[Evidence], changed: Sequence[str]) -> di
     }
 
 
-def entry_json(e: Evidence) -> dict[str, Any]:
+def entry_json(e: PrintedEntryComparison) -> dict[str, Any]:
     """Return one printed number or claim as JSON: printed and computed value, error, verdict and reason of the verdict."""
     from rollbench.compare.evidence import publication_title_of
 
@@ -96,13 +100,13 @@ def entry_json(e: Evidence) -> dict[str, Any]:
         "source": publication_title_of(p),
         "place": p.place,
         "quantity": p.label,
-        "printed": p.claim or p.printed,
+        "printed": p.claim or p.number_as_printed,
         "unit": p.unit,
-        "class": p.cls,
+        "class": p.entry_class,
         "kind": p.kind,
         "as_printed": e.as_printed,
         "right": e.value,
-        "inferred_reading": e.reading,
+        "inferred_reading": e.value_by_inferred_assumption,
         "reference_3d": e.reference,
         "error_percent": e.error_percent,
         "verdict": e.verdict,
@@ -110,7 +114,7 @@ def entry_json(e: Evidence) -> dict[str, Any]:
     }
 
 
-def printed_entries_table(rows: Sequence[Evidence], changed: Sequence[str]) -> list[Any]:
+def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Sequence[str]) -> list[Any]:
     """Return tables and lines for the terminal: verdicts by publication, printed numbers and claims, changed verdicts.
 
     ``rows``: printed numbers and claims with their verdicts. ``changed``: texts on verdicts that differ from the expected
@@ -152,9 +156,9 @@ def computation_trace(table: str = "") -> CommandOutput:
     """
     from rich.table import Table
 
-    from rollbench.compare.evidence import origins_of_entries
+    from rollbench.compare.evidence import computations_of_entries
 
-    entries = list(origins_of_entries(table))
+    entries = list(computations_of_entries(table))
     shown = Table(title="how every printed number is computed and tested", title_justify="left")
     for heading in ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test"):
         shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
@@ -188,20 +192,20 @@ def _shipped_contents_json() -> dict[str, dict[str, Any]]:
     """Return all shipped scenes (by kind) and models with their titles, and printed tables with their numbers of rows."""
     from rollbench.compare import printed
     from rollbench.compare.models.registry import AXIS_MODELS, MODELS
-    from rollbench.compare.models.user_models import installed_models, origin_of_model
+    from rollbench.compare.models.user_models import entry_points_of_installed_models, origin_of_model
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE
 
     titles = {name: catalogue.top_level_keys(name)["title"] for name in catalogue.scene_names()}
-    of_users = {name: origin_of_model(name) for name in installed_models() if name not in MODELS}
+    of_users = {name: origin_of_model(name) for name in entry_points_of_installed_models() if name not in MODELS}
     return {
         "scenes": {
             k: {n: t for n, t in titles.items() if catalogue.kind_of_shipped_scene(n) == k} for k in (*WHOLE, AXIS, *KINDS)
         },
-        "models": {model.name: model.about for model in MODELS.values()},
+        "models": {model.name: model.description for model in MODELS.values()},
         **({"models of other packages": of_users} if of_users else {}),
         "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
-        "printed_tables": {name: len(printed.load_table(name)) for name in printed.printed_table_names()},
+        "printed_tables": {name: len(printed.load_printed_table(name)) for name in printed.printed_table_names()},
     }
 
 

@@ -79,10 +79,10 @@ def report(
         from rollbench.meshes.libraries import PAGES
 
         check_packages(*PAGES)  # the next line imports some of them
-        from rollbench.compare.report.report import check_scene_arguments
+        from rollbench.compare.report.report import refuse_unusable_scene_arguments
         from rollbench.compare.report.verify import write_and_compare_pages
 
-        check_scene_arguments(scene, against=against, reference=reference)
+        refuse_unusable_scene_arguments(scene, against=against, reference=reference)
         given: dict[str, Any] = {"only": only, "source": source, "quick": quick, "stored": stored, "fresh": fresh}
         given["scheduler"] = where and where.scheduler
         for name, value in given.items():
@@ -112,7 +112,9 @@ def open_written_page(code: int, page: Path, wanted: bool) -> int:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))
         if not (screen and webbrowser.open(page.resolve().as_uri())):
             print_command_output(
-                CommandOutput(parts=["no browser was found on this computer: open the page in any other browser"])
+                CommandOutput(
+                    texts_and_tables=["no browser was found on this computer: open the page in any other browser"]
+                )
             )
     return code
 
@@ -149,10 +151,10 @@ def view(
     open_page
         Show the page in the browser. Default: yes.
     """
-    from rollbench.compare.api.calls import solve_described
-    from rollbench.compare.errors import Refusal
+    from rollbench.compare.api.calls import solve_scene_record
+    from rollbench.compare.errors import SceneNotCoveredError
     from rollbench.compare.files import check_writable, replace_file
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.models.registry import ModelOptions
     from rollbench.compare.reference.store import shipped_store
     from rollbench.compare.scenes import catalogue
     from rollbench.reports.view import MARKER
@@ -160,13 +162,19 @@ def view(
     if out.is_file() and MARKER not in out.read_text(encoding="utf-8", errors="replace"):
         raise ArgumentError("out", f"the existing file {out}", "a new file or an earlier page", "choose another name")
     check_writable(out)
-    found = solve_described(catalogue.any_scene(scene), model, Options(member=member), origin=scene)
+    found = solve_scene_record(
+        catalogue.scene_of_any_kind(scene), model, ModelOptions(member=member), name_for_messages=scene
+    )
     try:
         html = found.view_page((store, shipped_store()))
     except ValueError:
-        raise Refusal(scene, "scene", found.reason or str(found.status), "correct the scene as the reason says") from None
+        raise SceneNotCoveredError(
+            scene, "scene", found.reason or str(found.status), "correct the scene as the reason says"
+        ) from None
     replace_file(out, html)
-    code = print_command_output(CommandOutput(parts=[*found._notes, f"page: {out}"], code=int(not found.converged)))
+    code = print_command_output(
+        CommandOutput(texts_and_tables=[*found._notes, f"page: {out}"], exit_code=int(not found.converged))
+    )
     return open_written_page(code, out, open_page)
 
 
@@ -188,6 +196,6 @@ def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int
     from rollbench.meshes.libraries import PAGES
 
     check_packages(*PAGES)  # the next line imports some of them
-    from rollbench.compare.report.verify import verify_hashes
+    from rollbench.compare.report.verify import verify_report_hashes
 
-    return print_command_output(verify_hashes(report, store))
+    return print_command_output(verify_report_hashes(report, store))

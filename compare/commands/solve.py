@@ -20,12 +20,12 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.load_cases import Solved, SolvedAxis
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.models.load_cases import SceneSolution, ShaftSolution
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.results.load_curve import LoadCurve
     from rollbench.compare.studies.members.members import EnsembleSummary
     from rollbench.lowfi.statics.result import StaticResult
-    from rollbench.lowfi.statics.tangent import Tangent
+    from rollbench.lowfi.statics.tangent import TangentStiffness
     from rollbench.meshes.arrays import Array
     from rollbench.meshes.axis import Assembly
     from rollbench.meshes.parts import Scene
@@ -56,35 +56,35 @@ class SolveOptions:
     verbose: bool = False
 
 
-def solve_and_report(name: str, choices: SolveOptions) -> CommandOutput:
+def solve_and_report(name: str, solve_options: SolveOptions) -> CommandOutput:
     """Solve one scene with all its load cases, and return what is printed; exit code 1 if a load case did not converge.
 
     Raises InputError if the scene or an option cannot be used.
     """
-    from rollbench.compare.api.calls import solve_described
-    from rollbench.compare.models.registry import Options, default_model
+    from rollbench.compare.api.calls import solve_scene_record
+    from rollbench.compare.models.registry import ModelOptions, default_model_name
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
     from rollbench.compare.text.solved import solved_case_parts, tangent_stiffness_parts
 
-    described = catalogue.any_scene(name)
-    scenes: Sequence[Scene | Assembly] = scenes_of_load_cases(described, name)
-    model, station = _check_options(choices)
-    model = model or default_model(scenes[0])
-    _check_options_for_scene(scenes[0], choices, station)
-    options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    at = station if choices.stiffness_at else None
-    with watch_running_time(f"{described.name}, model {one_line(model)}", checked_time_limit(choices.time_limit)):
-        found = solve_described(described, model, options, at, name)
+    described = catalogue.scene_of_any_kind(name)
+    scenes: Sequence[Scene | Assembly] = scenes_to_solve(described, name)
+    model, station = _check_options(solve_options)
+    model = model or default_model_name(scenes[0])
+    _check_options_for_scene(scenes[0], solve_options, station)
+    options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
+    at = station if solve_options.stiffness_at else None
+    with watch_running_time(f"{described.name}, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
+        found = solve_scene_record(described, model, options, at, name)
     solved, names = found.solved, [*found.cases]
-    of_cases = [_options_of_load_case(choices, case) for case in names] or [choices]
+    of_cases = [_options_of_load_case(solve_options, case) for case in names] or [solve_options]
     written: list[str] = []
     for one, tangent, files in zip(solved, found.tangents, of_cases, strict=True):
         written += _write_stiffness_matrix(one, tangent, files)
-    if choices.loads_csv is not None:
-        written += _write_contact_loads(choices.loads_csv, solved, names)
-    shown = {"balls": choices.balls, "details": choices.verbose, "stiffness": bool(choices.stiffness_at)}
+    if solve_options.loads_csv is not None:
+        written += _write_contact_loads(solve_options.loads_csv, solved, names)
+    shown = {"balls": solve_options.balls, "details": solve_options.verbose, "stiffness": bool(solve_options.stiffness_at)}
     if found.cycle is None or found.together is None:
         tangent = found.tangents[0]
         lines = [*solved_case_parts(solved[0], **shown), *([] if tangent is None else tangent_stiffness_parts(tangent))]
@@ -92,10 +92,10 @@ def solve_and_report(name: str, choices: SolveOptions) -> CommandOutput:
         from rollbench.compare.text.solved import duty_cycle_parts
 
         lines = duty_cycle_parts(found.cycle, solved, found.together, found.tangents, **shown)
-    return CommandOutput(found.to_dict, [*lines, *written], exit_code_of_solutions(solved, choices), folded=True)
+    return CommandOutput(found.to_dict, [*lines, *written], exit_code_of_solutions(solved, solve_options), wrap_always=True)
 
 
-def _options_of_load_case(choices: SolveOptions, name: str) -> SolveOptions:
+def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOptions:
     """Return a copy of the options for one load case, with a file of its own for the stiffness matrix.
 
     ``name``: name of the load case, which is added to the name of that file.
@@ -104,16 +104,16 @@ def _options_of_load_case(choices: SolveOptions, name: str) -> SolveOptions:
     def named(path: Path | None) -> Path | None:
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
 
-    return replace(choices, matrix=named(choices.matrix))
+    return replace(solve_options, matrix=named(solve_options.matrix))
 
 
-def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], names: Sequence[str]) -> list[str]:
+def _write_contact_loads(path: Path, solved: Sequence[SceneSolution | ShaftSolution], names: Sequence[str]) -> list[str]:
     """Write the ball contact loads of all converged load cases to a CSV file; return a line that names the file.
 
     ``names``: names of the load cases; empty for a scene without load cases.
     """
     from rollbench.compare.files import write_csv
-    from rollbench.compare.models.load_cases import Solved
+    from rollbench.compare.models.load_cases import SceneSolution
     from rollbench.compare.models.loads_file import load_rows_for_csv
     from rollbench.compare.quantities import count_with_noun
 
@@ -121,7 +121,7 @@ def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], name
     for one, name in zip(solved, names or [""], strict=True):
         head = {"case": name} if name else {}
         sets: list[tuple[dict[str, str], StaticResult]]
-        if isinstance(one, Solved):
+        if isinstance(one, SceneSolution):
             sets = [({}, one.result)]
         else:
             sets = [({"set": str(k)}, s.balls) for k, s in enumerate(one.result.sets, 1) if s.balls is not None]
@@ -134,7 +134,7 @@ def _write_contact_loads(path: Path, solved: Sequence[Solved | SolvedAxis], name
     return [f"wrote {path}: {count_with_noun(len(rows), 'contact load')}; compare them with the 3D reference by: {check}"]
 
 
-def _check_options_for_scene(scene: Scene | Assembly, choices: SolveOptions, station: float) -> None:
+def _check_options_for_scene(scene: Scene | Assembly, solve_options: SolveOptions, station: float) -> None:
     """Raise InputError if an option does not suit the scene, such as an option for a single nut or bearing only.
 
     ``station``: axial position of the requested stiffness [m], which must lie on the screw or shaft.
@@ -143,94 +143,109 @@ def _check_options_for_scene(scene: Scene | Assembly, choices: SolveOptions, sta
 
     if isinstance(scene, Assembly):
         refused = (
-            ("everything", choices.everything, "leave it out: the scene states which terms of the models are computed"),
-            ("condensed", choices.condensed, "leave it out: the file has the bodies of a single nut or bearing"),
+            (
+                "everything",
+                solve_options.everything,
+                "leave it out: the scene states which terms of the models are computed",
+            ),
+            ("condensed", solve_options.condensed, "leave it out: the file has the bodies of a single nut or bearing"),
         )
         for argument, value, advice in refused:
             if value:
                 given = f"this option for the scene {scene.name}, which has several nuts or bearings"
                 raise ArgumentError(argument, given, "only for a scene with a single nut or bearing", advice)
-        if choices.loads_csv is not None and not scene.ball_count:
+        if solve_options.loads_csv is not None and not scene.ball_count:
             advice = "leave it out: the columns of the file are groove flanks, which rollers do not have"
-            raise ArgumentError("loads_csv", str(choices.loads_csv), "only for a scene with balls", advice)
-    if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
+            raise ArgumentError("loads_csv", str(solve_options.loads_csv), "only for a scene with balls", advice)
+    if solve_options.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
         body = "shaft" if isinstance(scene, Assembly) else "screw"
-        raise ArgumentError("stiffness_at", choices.stiffness_at, allowed, f"state an axial position on the {body}")
+        raise ArgumentError("stiffness_at", solve_options.stiffness_at, allowed, f"state an axial position on the {body}")
 
 
-def exit_code_of_solutions(solved: Sequence[Solved | SolvedAxis], choices: SolveOptions) -> int:
+def exit_code_of_solutions(solved: Sequence[SceneSolution | ShaftSolution], solve_options: SolveOptions) -> int:
     """Return exit code 1 if a load case did not converge or, with ``choices.strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import join_brief_warnings
 
-    return int(any(one.answers is None or (choices.strict and join_brief_warnings(one.result.warnings)) for one in solved))
+    return int(
+        any(
+            one.derived_results is None or (solve_options.strict and join_brief_warnings(one.result.warnings))
+            for one in solved
+        )
+    )
 
 
-def _check_options(choices: SolveOptions) -> tuple[str, float]:
+def _check_options(solve_options: SolveOptions) -> tuple[str, float]:
     """Check the options for one scene; return the model's name (empty: the default) and the position of the stiffness [m].
 
     Raises InputError if options exclude each other, or if a file cannot be written.
     """
     from rollbench.meshes import units
 
-    model = choices.model or ("" if choices.condensed is None else "condensed")
-    if choices.condensed is not None and model != "condensed":
-        given = f"{choices.condensed} with the model {model}"
+    model = solve_options.model or ("" if solve_options.condensed is None else "condensed")
+    if solve_options.condensed is not None and model != "condensed":
+        given = f"{solve_options.condensed} with the model {model}"
         advice = "leave `model` out: the file selects the model condensed"
         raise ArgumentError("condensed", given, "such a file only with the model condensed", advice)
-    if not 0 <= choices.member < 10**9:
-        raise ArgumentError("member", str(choices.member), "0 to 999999999", "state the number of the specimen")
-    if choices.matrix is not None:
-        if not choices.stiffness_at:
+    if not 0 <= solve_options.member < 10**9:
+        raise ArgumentError("member", str(solve_options.member), "0 to 999999999", "state the number of the specimen")
+    if solve_options.matrix is not None:
+        if not solve_options.stiffness_at:
             advice = "add `stiffness_at` with an axial position"
-            raise ArgumentError("matrix", str(choices.matrix), "only with `stiffness_at`", advice)
-        check_matrix_file(choices.matrix)
-    if choices.loads_csv is not None:
+            raise ArgumentError("matrix", str(solve_options.matrix), "only with `stiffness_at`", advice)
+        check_matrix_file(solve_options.matrix)
+    if solve_options.loads_csv is not None:
         from rollbench.compare.files import check_writable
 
-        check_writable(choices.loads_csv)
-    if not choices.stiffness_at:
+        check_writable(solve_options.loads_csv)
+    if not solve_options.stiffness_at:
         return model, 0.0
     try:
-        return model, units.parse_quantity(choices.stiffness_at, "length")
+        return model, units.parse_quantity(solve_options.stiffness_at, "length")
     except ValueError as error:
         advice = f'write it like "400 mm" ({error})'
-        raise ArgumentError("stiffness_at", choices.stiffness_at, "a length with its unit", advice) from None
+        raise ArgumentError("stiffness_at", solve_options.stiffness_at, "a length with its unit", advice) from None
 
 
-def _write_stiffness_matrix(one: Solved | SolvedAxis, tangent: Tangent | None, choices: SolveOptions) -> list[str]:
+def _write_stiffness_matrix(
+    solved_case: SceneSolution | ShaftSolution, tangent: TangentStiffness | None, solve_options: SolveOptions
+) -> list[str]:
     """Write the stiffness matrix of a load case to the file that the user asked for, if any; return a line that names it.
 
-    ``one``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError if a
-    degree of freedom is fixed, so that the matrix has no finite stiffness there.
+    ``solved_case``: solution of a load case. ``tangent``: its stiffness at the requested axial position. Raises InputError
+    if a degree of freedom is fixed, so that the matrix has no finite stiffness there.
     """
     import numpy as np
 
-    from rollbench.compare.models.load_cases import SolvedAxis
+    from rollbench.compare.models.load_cases import ShaftSolution
 
-    if not one.result.converged:
+    if not solved_case.result.converged:
         return []
-    lines, path, (K, where) = [], choices.matrix, _requested_stiffness(one, tangent)
-    if path is not None and isinstance(one, SolvedAxis) and (K is None or not np.isfinite(K).all()):
+    lines, path, (K, where) = [], solve_options.matrix, _requested_stiffness(solved_case, tangent)
+    if path is not None and isinstance(solved_case, ShaftSolution) and (K is None or not np.isfinite(K).all()):
         advice = "choose an axial position at which no degree of freedom of the shaft is fixed"
         allowed = "only if the shaft has no fixed degree of freedom there, whose stiffness would be infinite"
         raise ArgumentError("matrix", str(path), allowed, advice)
     if path is not None and K is not None:
-        write_matrix_file(path, K, f"tangent stiffness of {one.scene.name}, model {one.result.model}, {where}")
+        write_matrix_file(
+            path, K, f"tangent stiffness of {solved_case.scene.name}, model {solved_case.result.model}, {where}"
+        )
         lines.append(f"wrote {path}: the symmetric stiffness matrix in N, m and rad")
     return lines
 
 
-def _requested_stiffness(one: Solved | SolvedAxis, tangent: Tangent | None) -> tuple[Array | None, str]:
+def _requested_stiffness(
+    solved_case: SceneSolution | ShaftSolution, tangent: TangentStiffness | None
+) -> tuple[Array | None, str]:
     """Return the stiffness matrix (6, 6) [N, m, rad] that the user asked for, and a text on its position and what is fixed.
 
-    ``one``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The matrix is
-    None if it was not computed.
+    ``solved_case``: solution of a load case. ``tangent``: stiffness of a single nut at the requested axial position. The
+    matrix is None if it was not computed.
     """
-    from rollbench.compare.models.load_cases import SolvedAxis
+    from rollbench.compare.models.load_cases import ShaftSolution
 
-    if isinstance(one, SolvedAxis):
-        return one.result.stiffness, f"at {one.result.stiffness_at}, with the supports of the scene fixed"
+    if isinstance(solved_case, ShaftSolution):
+        return solved_case.result.stiffness, f"at {solved_case.result.stiffness_at}, with the supports of the scene fixed"
     if tangent is None or tangent.status != "converged":
         return None, ""
     return tangent.matrix, f"of the screw's cross-section at {1e3 * tangent.station:.6g} mm, with the nut fixed"
@@ -326,13 +341,13 @@ def solve(
         return print_command_output(solve_side_by_side(scenes, choices), as_json)
     (scene,) = scenes
     if members is not None:
-        from rollbench.compare.reference.jobs import Engine
+        from rollbench.compare.reference.jobs import ComputingSettings
 
         if stiffness_at or strict or curve or any(file is not None for file in (matrix, loads_csv)):
             named = "stiffness_at, matrix, curve, loads_csv, strict"
             advice = "leave them out, or solve one specimen by `member=K`"
             raise ArgumentError(named, "one of these options with --members", "only without --members", advice)
-        how = Engine(workers=workers)
+        how = ComputingSettings(parallel_jobs=workers)
         return print_command_output(
             solve_specimens(scene, model, members, csv_out=csv, seed=seed, engine=how, balls=balls), as_json
         )
@@ -347,63 +362,70 @@ def solve(
     )
 
 
-def solve_side_by_side(names: Sequence[str], choices: SolveOptions) -> CommandOutput:
+def solve_side_by_side(names: Sequence[str], solve_options: SolveOptions) -> CommandOutput:
     """Solve several scenes and return a table of their results side by side; exit code 1 if one did not converge.
 
     Raises InputError if a scene or an option cannot be used.
     """
-    from rollbench.compare.api.calls import side_by_side_described
+    from rollbench.compare.api.calls import side_by_side_of_scene_records
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
-    from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+    from rollbench.compare.scenes.scene_file import scenes_to_solve
     from rollbench.compare.text.solved import side_by_side_parts
     from rollbench.lowfi.warned import join_brief_warnings
 
-    described = [catalogue.any_scene(name) for name in names]
-    model, station = _check_options(choices)
+    described = [catalogue.scene_of_any_kind(name) for name in names]
+    model, station = _check_options(solve_options)
     for one, name in zip(described, names, strict=True):
-        _check_options_for_scene(scenes_of_load_cases(one, name)[0], choices, station)
-    at = station if choices.stiffness_at else None
-    with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(choices.time_limit)):
-        found = side_by_side_described(described, names, model, choices.member, at)
-    warned = choices.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
-    return CommandOutput(found.to_dict, side_by_side_parts(found), int(not found.converged or warned), folded=True)
+        _check_options_for_scene(scenes_to_solve(one, name)[0], solve_options, station)
+    at = station if solve_options.stiffness_at else None
+    with watch_running_time(f"{len(names)} scenes, model {one_line(model)}", checked_time_limit(solve_options.time_limit)):
+        found = side_by_side_of_scene_records(described, names, model, solve_options.member, at)
+    warned = solve_options.strict and any(join_brief_warnings(one.warnings) for one in found.scenes)
+    return CommandOutput(found.to_dict, side_by_side_parts(found), int(not found.converged or warned), wrap_always=True)
 
 
-def solve_load_curve(name: str, text: str, choices: SolveOptions, csv_out: Path | None) -> CommandOutput:
+def solve_load_curve(name: str, text: str, solve_options: SolveOptions, csv_out: Path | None) -> CommandOutput:
     """Solve a scene over a range of loads and return its load curve; exit code 1 if a load has no equilibrium.
 
     ``text``: range of the load, such as ``"-3kN:3kN:41:x"`` for 41 forces along x; ``csv_out``: file for the points of the
     curve, or None. Of several load cases only the first is solved. Raises InputError if the range or an option cannot be
     used.
     """
-    from rollbench.compare.api.calls import load_curve_of
-    from rollbench.compare.models.registry import Options
+    from rollbench.compare.api.calls import load_curve_of_scene_record
+    from rollbench.compare.models.registry import ModelOptions
     from rollbench.compare.running import checked_time_limit, watch_running_time
     from rollbench.compare.scenes import catalogue
     from rollbench.compare.text.solved import load_curve_parts
 
-    if choices.stiffness_at or choices.matrix or choices.loads_csv or choices.balls:
+    if solve_options.stiffness_at or solve_options.matrix or solve_options.loads_csv or solve_options.balls:
         refused, given = "stiffness_at, matrix, loads_csv, balls", "one of these options with --curve"
         raise ArgumentError(refused, given, "only without --curve", "leave them out: they are for a single load")
-    model, _ = _check_options(choices)
+    model, _ = _check_options(solve_options)
     if csv_out is not None:
         from rollbench.compare.files import check_writable
 
         check_writable(csv_out)
-    options = Options(choices.everything, choices.member, condensed=choices.condensed)
-    with watch_running_time(f"{name}, load curve", checked_time_limit(choices.time_limit)):
-        found = load_curve_of(catalogue.any_scene(name), text, model, options, name)
-    lines = load_curve_parts(found, details=choices.verbose)
+    options = ModelOptions(solve_options.everything, solve_options.member, condensed_bodies_file=solve_options.condensed)
+    with watch_running_time(f"{name}, load curve", checked_time_limit(solve_options.time_limit)):
+        found = load_curve_of_scene_record(catalogue.scene_of_any_kind(name), text, model, options, name)
+    lines = load_curve_parts(found, details=solve_options.verbose)
     if csv_out is not None:
         lines += write_load_curve(csv_out, found)
     return CommandOutput(
-        found.to_dict, lines, int(not found.converged or (choices.strict and bool(found.above))), folded=True
+        found.to_dict, lines, int(not found.converged or (solve_options.strict and bool(found.above))), wrap_always=True
     )
 
 
 def solve_specimens(
-    name: str, model: str, count: int, *, csv_out: Path | None, seed: int | None, engine: Engine, balls: bool = False
+    name: str,
+    model: str,
+    count: int,
+    *,
+    csv_out: Path | None,
+    seed: int | None,
+    engine: ComputingSettings,
+    balls: bool = False,
 ) -> CommandOutput:
     """Solve many specimens of a scene with random errors and return their statistics; exit code 1 if none converged.
 
@@ -414,14 +436,16 @@ def solve_specimens(
     from rollbench.compare.results.base import add_schema_version
     from rollbench.compare.scenes import catalogue
 
-    described = catalogue.any_scene(name)
-    from rollbench.compare.studies.members.members import ensemble_json, solve_specimens_of_load_cases
+    described = catalogue.scene_of_any_kind(name)
+    from rollbench.compare.studies.members.members import ensemble_json, solve_random_draws_of_load_cases
 
-    each, cases = solve_specimens_of_load_cases(described, name, model, count, seed, engine, show_progress_message, csv_out)
+    each, cases = solve_random_draws_of_load_cases(
+        described, name, model, count, seed, engine, show_progress_message, csv_out
+    )
     shown = [x for batch in each for x in ensemble_terminal_parts(batch, balls=balls)]
     shown += [f"wrote {csv_out}: one row for each specimen"] * bool(csv_out)
     data = add_schema_version(ensemble_json(described, each, cases))
-    return CommandOutput(data, shown, 0 if all(len(batch.failed) < count for batch in each) else 1)
+    return CommandOutput(data, shown, 0 if all(len(batch.status_of_failed_draws) < count for batch in each) else 1)
 
 
 def _statistics_table(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
@@ -447,10 +471,10 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
     ``balls``: also a table with the range of the load of every ball.
     """
     from rollbench.compare.studies.members.ensemble import KEPT, OF_SET, WHOLE
-    from rollbench.compare.studies.members.members import members_json
+    from rollbench.compare.studies.members.members import ensemble_statistics_json
     from rollbench.meshes.axis import Assembly
 
-    data = members_json(members)
+    data = ensemble_statistics_json(members)
     several = isinstance(members.scene, Assembly)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} specimens, {data['converged']} "
@@ -469,7 +493,7 @@ def ensemble_terminal_parts(members: EnsembleSummary, *, balls: bool = False) ->
     parts += [*tables, f"life: equivalent loads by ISO/TS 16281, with raceways of equal strength; {stiff}"]
     return [
         *parts,
-        _contact_load_quantiles_table(data, members.bands.width)
+        _contact_load_quantiles_table(data, members.load_distributions.width)
         if balls
         else "range of the load of every ball: add --balls",
     ]
@@ -571,5 +595,5 @@ def load_curve_figure(curve: LoadCurve, rows: list[dict[str, Any]]) -> Figure:
         known = [(1e-3 * row["load_N"], row[column]) for row in rows if row[column] is not None]
         if known:
             x, y = zip(*known, strict=True)
-            panels.append(Panel(label.split(" /")[0], "load / kN", label, [Series(curve.scene, x, y)], zero=True))
+            panels.append(Panel(label.split(" /")[0], "load / kN", label, [Series(curve.scene, x, y)], include_zero=True))
     return Figure("load-curve", f"{curve.scene} over its load", panels)

@@ -78,20 +78,20 @@ def judge_models_on_screws(
 
     ``max_error``: limit of the error in per cent. ``out``: folder of the written files. ``workers``: number of screws
     solved in parallel. The exit code is 1 if a model fails on a screw. Raises InputError in the cases in which
-    `compare_models_on_drawn_screws` raises it.
+    `compare_models_on_random_screws` raises it.
     """
     from rollbench.compare.files import check_writable, write_csv, write_figure
     from rollbench.compare.models.programs import model_title
-    from rollbench.compare.studies.survey_models import compare_models_on_drawn_screws, survey_figure
+    from rollbench.compare.studies.survey_models import compare_models_on_random_screws, figure_of_errors_on_random_screws
 
     stem = re.sub(r"[^\w.]+", "-", f"survey-{'-'.join(map(model_title, models))}")
     table, drawing = out / f"{stem}.csv", out / f"{stem}.svg"
     for path in (table, drawing):
         check_writable(path)
-    data = compare_models_on_drawn_screws(models, count, workers, max_error, show_progress_message)
+    data = compare_models_on_random_screws(models, count, workers, max_error, show_progress_message)
     write_csv(table, [{"model": model_title(name)} | dict(row) for name, rows in data["models"].items() for row in rows])
     drawn = (
-        write_figure(drawing, survey_figure(data))
+        write_figure(drawing, figure_of_errors_on_random_screws(data))
         if any("verdict" in r for r in data["models"][models[0]])
         else "no figure"
     )
@@ -107,7 +107,7 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
     ``data``: JSON results of the models on every screw. ``models``: names of the judged models.
     """
     from rollbench.compare.models.programs import model_title
-    from rollbench.compare.studies.survey_models import WORST, median_errors_by_kind
+    from rollbench.compare.studies.survey_models import WORST, median_errors_by_screw_kind
 
     missing = "" if data["screws"] == data["of"] else f", out of {data['of']}"
     for name in models:
@@ -136,7 +136,7 @@ def _survey_terminal_parts(data: Mapping[str, Any], models: Sequence[str]) -> It
     title = "absolute errors over the screws / %; errors of loads in per cent of the mean load"
     yield table_of_records(data["summary"], ".2f", title)
     yield table_of_records(
-        median_errors_by_kind(data["models"]),
+        median_errors_by_screw_kind(data["models"]),
         ".2f",
         "median error of the worst contact load by kind of screw / % of the mean load",
     )
@@ -158,10 +158,10 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
 def solve_extreme_scenes() -> CommandOutput:
     """Solve a table of extreme scenes with all solvers, and return the outcomes; exit code 1 if that of rollbench fails."""
-    from rollbench.compare.studies.extremes import solve_all_hard_cases, unexpected_attempts
+    from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
 
-    rows = solve_all_hard_cases(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
-    bad = unexpected_attempts(rows)
+    rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
+    bad = unexpected_outcomes(rows)
     data = {"failures": len(bad), "rows": [asdict(r) for r in rows]}
     return CommandOutput(data, _stability_tables(rows, bad), 1 if bad else 0)
 
@@ -173,7 +173,7 @@ def _stability_tables(
 
     ``rows``: outcomes of every solver on every scene. ``failures``: those outcomes that are not as expected.
     """
-    from rollbench.compare.studies.extremes import FORMULATIONS, count_outcomes, stability_table_rows
+    from rollbench.compare.studies.extremes import FORMULATIONS, count_expected_outcomes, stability_table_rows
 
     words = ("case", *FORMULATIONS)
     lines = (
@@ -181,7 +181,7 @@ def _stability_tables(
         for line in stability_table_rows(rows)
     )
     yield ruled_table("extreme scenes by solver", (*words, "residual", "difference %"), lines, words)
-    for name, (solved, tried, total) in count_outcomes(rows).items():
+    for name, (solved, tried, total) in count_expected_outcomes(rows).items():
         yield f"{name}: solved {solved} of {tried} attempted cases, out of {total}"
     for row in failures:
         yield f"FAILED: {row.case}: {row.status}; expected outcome: {row.expected}"
@@ -207,11 +207,11 @@ def solve_drawn_screws(count: int, folder: Path, workers: int, keep: Path | None
     records = survey.solve_screws_of_survey(SEED, count, folder, workers, show_progress_message, keep)
     bad = survey.records_without_converged_loads(records)
     if keep is not None:
-        from rollbench.compare.studies.survey_models import LOADS, store_loads
+        from rollbench.compare.studies.survey_models import LOADS, store_reference_loads
 
-        replace_file(keep, survey.survey_json(SEED, records))
-        store_loads(keep.with_name(LOADS), folder / "runs", count)
-    found = survey.error_summary_of_all_models(records)
+        replace_file(keep, survey.survey_records_as_json(SEED, records))
+        store_reference_loads(keep.with_name(LOADS), folder / "runs", count)
+    found = survey.error_summary_rows_of_all_models(records)
     parts: list[Any] = [table_of_records(found)] if found else []
     parts.append(f"{len(records) - len(bad)} of {len(records)} scenes have a result")
     parts += [f"scene {r['number']}: {r['status']}" for r in bad]

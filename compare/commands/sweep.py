@@ -24,9 +24,9 @@ from rollbench.compare.running import show_progress_message
 from rollbench.compare.text.printing import CommandOutput, format_cell, print_command_output, ruled_table
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
     from rollbench.compare.studies.sweep.keys import VariedKey
-    from rollbench.compare.studies.sweep.run import Sweep
+    from rollbench.compare.studies.sweep.run import SweepDefinition
 
 
 @app.command
@@ -72,19 +72,19 @@ def sweep(
     out
         Folder of samples and summary; samples that are stored there are not solved again.
     """
-    from rollbench.compare.studies.sweep.run import make_sweep
+    from rollbench.compare.studies.sweep.run import sweep_definition
 
     names = [name.strip() for name in outputs.split(",") if name.strip()]
     model = model_or_program_name(program, model)
-    what = make_sweep(scene, vary, samples, method, seed, model, names)
+    what = sweep_definition(scene, vary, samples, method, seed, model, names)
     return print_command_output(solve_and_report_sweep(what, out, engine_from_options(where)), as_json)
 
 
-def solve_and_report_sweep(sweep: Sweep, out: Path, engine: Engine) -> CommandOutput:
+def solve_and_report_sweep(sweep: SweepDefinition, out: Path, engine: ComputingSettings) -> CommandOutput:
     """Solve all samples of a sweep that are not stored yet, and return its summary; exit code 1 if no sample converged.
 
     ``sweep``: scene, varied parameters and design of the samples. ``out``: folder of samples and summary. ``engine``:
-    solves the samples. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
+    solves the samples. Raises InputError in the cases in which `solve_missing_samples` raises it.
     """
     from rollbench.compare.files import reason_without_figure
     from rollbench.compare.studies.sweep.run import solve_sweep
@@ -109,7 +109,7 @@ def sweep_terminal_parts(keys: Sequence[VariedKey], found: Mapping[str, Any]) ->
     parts.append(ruled_table("computed quantities", ["", *(n.replace("_", " ") for n in names)], rows))
     parts.append(_parameter_effects_table(keys, found))
     worst = ([str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *map(str, row["values"])] for row in found["worst"])
-    headings = ["sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)]
+    headings = ["sample", OUTPUTS[MAIN], "at", *(v.short_name for v in keys)]
     return [*parts, ruled_table("samples with the largest loads", headings, worst)]
 
 
@@ -128,7 +128,7 @@ def _parameter_effects_table(keys: Sequence[VariedKey], found: Mapping[str, Any]
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
         cells += [_sobol_index_text(indices[vary.key], kind) if indices is not None else "–" for kind in ("first", "total")]
-        rows.append([vary.label, *cells])
+        rows.append([vary.axis_label, *cells])
     headings = ("parameter", "smallest mean / N", "largest mean / N", "first-order index", "total index")
     return ruled_table(title, headings, rows)
 
@@ -178,8 +178,8 @@ def table(
         written as SVG.
     """
     from rollbench.compare.files import check_writable, write_figure
-    from rollbench.compare.studies.table import check_request, solve_table
-    from rollbench.compare.studies.table_files import check_format, table_figure, write_table
+    from rollbench.compare.studies.table import check_table_request, solve_table
+    from rollbench.compare.studies.table_files import check_file_format, table_figure, write_table_file
     from rollbench.compare.text.solved import parameter_table_parts
 
     texts: list[str] = []
@@ -189,15 +189,17 @@ def table(
         else:
             texts[-1] += f" {text}"  # the unit of a range that was not in quotes
     names = [name.strip() for name in quantities.split(",") if name.strip()]
-    asked = check_request(scene, texts, names, model, stiffness_at)
+    asked = check_table_request(scene, texts, names, model, stiffness_at)
     if out is not None:
-        check_format(out)
+        check_file_format(out)
         check_writable(out)
     found = solve_table(asked, engine_from_options(where), show_progress_message)
     parts = parameter_table_parts(found)
     if out is not None:
-        write_table(out, found)
+        write_table_file(out, found)
         drawn = table_figure(found)
         picture = "no figure" if drawn is None else write_figure(out.with_suffix(".svg"), drawn)
         parts.append(f"wrote {out}: {len(found.rows)} rows; {picture}")
-    return print_command_output(CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, folded=True), as_json)
+    return print_command_output(
+        CommandOutput(found.to_dict(), parts, 0 if found.converged else 1, wrap_always=True), as_json
+    )

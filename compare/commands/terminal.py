@@ -12,7 +12,7 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from rollbench.compare.reference.jobs import Engine
+    from rollbench.compare.reference.jobs import ComputingSettings
 
 app = App(
     name="rollbench",
@@ -92,19 +92,19 @@ class ComputeOptions:
     tls_key: Annotated[Path | None, Parameter(help="Key of the client certificate.")] = None
 
 
-def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> Engine:
+def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> ComputingSettings:
     """Return the engine that computes runs of the 3D reference where the user's options demand it.
 
     ``where``: options; None: this computer. ``local_workers``: number of parallel runs on this computer, unless the options
     state it. Raises InputError for certificates that cannot be used.
     """
-    from rollbench.compare.reference.jobs import Engine
-    from rollbench.compare.reference.parallel import use_tls
+    from rollbench.compare.reference.jobs import ComputingSettings
+    from rollbench.compare.reference.parallel import set_tls_certificates
 
     where = where or ComputeOptions()
-    use_tls(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
+    set_tls_certificates(*(None if file is None else str(file) for file in (where.tls_ca, where.tls_cert, where.tls_key)))
     workers = local_workers if where.workers is None and where.scheduler is None else where.workers
-    return Engine(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
+    return ComputingSettings(where.backend, where.scheduler, workers, cache_folder(), where.wait_workers)
 
 
 def cache_folder() -> Path | None:

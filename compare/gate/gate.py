@@ -12,26 +12,26 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.evidence import Evidence, computations_with_function, evidence
+from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED, contact_load_errors, known_exceedances
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import solve_from_guess_or_load_steps
+from rollbench.lowfi.as_source import solve_lin_equations_with_fallback
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.statics.contacts import drawn_hertz, error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_with_errors, hertz_without_errors
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Errors, Ingredients, Load, Scene, Support
 from rollbench.meshes.section import screw_section
 
 
-def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
+def sphere_on_flat_by_program_and_formula(scene: Scene, force: float) -> list[tuple[str, str, float, float]]:
     """Compute the contact of a ball with a flat of the same material, by rollbench and by Hertz's closed form (1881).
 
     Parameters
@@ -63,7 +63,7 @@ def compare_sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, f
     ]
 
 
-def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
+def rigid_screw_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     """Compute the ball load of a rigid screw without errors under axial load [N]: by the solver, then in closed form.
 
     Closed form: an axial displacement s of the screw lengthens the distance between the two groove centres of each ball
@@ -78,7 +78,7 @@ def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
         supports=(Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),),
     )
     force = sum(load.force[2] for load in scene.loads)
-    constants = error_free_hertz(rigid).C
+    constants = hertz_without_errors(rigid).C
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
     pair = float(constants[0] + constants[3])
@@ -96,7 +96,7 @@ def compare_rigid_screw_load(scene: Scene) -> tuple[float, float]:
     return float(solve_static(rigid).load[:, 0].mean()), ball(s)[0]
 
 
-def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
+def tip_deflection_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     """Compute the tip deflection of a shaft as a cantilever under 1 N across [m]: by the solver, then in closed form.
 
     Closed form of a Timoshenko beam of length L: L^3/(3 E I) + L/(kappa G A), with the bending stiffness E I and the shear
@@ -114,7 +114,7 @@ def compare_cantilever_deflection(scene: Scene) -> tuple[float, float]:
     return float(result.centreline[-1, 0]), length**3 / (3.0 * section.EI) + length / section.kGA
 
 
-def compare_two_ball_load(scene: Scene) -> tuple[float, float]:
+def two_ball_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     """Compute the load of two opposite balls under an axial load F of 100 N [N]: by the solver, then in closed form.
 
     Closed form: F / (2 sin gamma), where gamma is the contact angle under load.
@@ -133,7 +133,7 @@ def compare_two_ball_load(scene: Scene) -> tuple[float, float]:
     return float(result.load[0, 0]), 100.0 / (2.0 * sin(gamma))
 
 
-def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, float]:
+def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tuple[float, float]:
     """Compute the preload on a screw contact due to balls with oversize [N]: by the solver, then in closed form.
 
     The screw is rigid and carries no external load. By symmetry a ball moves only radially, by x. Its approach to each
@@ -147,7 +147,7 @@ def compare_oversize_preload(scene: Scene, oversize: float) -> tuple[float, floa
         loads=(),
         ingredients=Ingredients(screw="rigid"),
     )
-    constants = drawn_hertz(squeezed, draw_specimen(squeezed, ball_layout(squeezed))).C[0]
+    constants = hertz_with_errors(squeezed, draw_geometry_with_errors(squeezed, ball_layout(squeezed))).C[0]
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 
@@ -220,7 +220,7 @@ class GateCheck:
         return asdict(self) | {"verdict": self.verdict}
 
 
-def check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
+def gate_check_of_number(name: str, kind: str, value: float, reference: float, limit: float) -> GateCheck:
     """Return the acceptance check of a computed number against a reference value.
 
     ``name``: checked quantity; ``kind``: kind of the reference, such as "closed form"; ``value``: computed number;
@@ -230,7 +230,7 @@ def check_of_number(name: str, kind: str, value: float, reference: float, limit:
     return GateCheck(name, kind, value, reference, error, limit, abs(error) <= limit)
 
 
-def check_of_error(
+def gate_check_of_error(
     name: str,
     kind: str,
     error: float | None,
@@ -247,7 +247,7 @@ def check_of_error(
     return GateCheck(name, kind, None, None, error, limit, passed, detail, uncertainty)
 
 
-def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
+def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: float) -> GateCheck:
     """Return the acceptance check of a number or claim that a publication prints, against the computed value.
 
     ``entry``: the printed number or claim with the computed value. The limit of the error is the tolerance of the printed
@@ -256,95 +256,109 @@ def check_of_printed_entry(entry: Evidence, max_error: float) -> GateCheck:
     p = entry.printed
     if p.value is None:
         return GateCheck(
-            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, entry.agrees is not False, entry.words
+            f"{p.place}: {p.claim}",
+            f"claim, {p.entry_class}",
+            None,
+            None,
+            None,
+            None,
+            entry.agrees_with_printed is not False,
+            entry.remark,
         )
     label = f"{p.place}: {p.label}"
-    kind = f"printed, {p.cls}" if p.cls != "input" else "input, used by its scene"
+    kind = f"printed, {p.entry_class}" if p.entry_class != "input" else "input, used by its scene"
     if p.value == 0.0:  # an error in per cent of 0 is not defined: judged by the printed tolerance
-        return GateCheck(label, kind, entry.compared, 0.0, None, None, entry.agrees is True)
+        return GateCheck(label, kind, entry.compared_value, 0.0, None, None, entry.agrees_with_printed is True)
     error = entry.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
-    passed = bool(entry.agrees) and error is not None and abs(error) <= max_error
-    return GateCheck(label, kind, entry.compared, p.value, error, limit, passed)
+    passed = bool(entry.agrees_with_printed) and error is not None and abs(error) <= max_error
+    return GateCheck(label, kind, entry.compared_value, p.value, error, limit, passed)
 
 
-def check_printed_entries(study: Study, max_error: float) -> list[GateCheck]:
+def check_published_entries(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check the published numbers and claims of the classes hard, as-printed and input (`printed.CLASSES`).
 
     Entries without a computed value are left out. ``max_error``: upper limit of the error [%].
     """
-    gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
-    return [check_of_printed_entry(e, max_error) for e in gated]
+    gated = [
+        e
+        for e in evidence(cache)
+        if e.printed.entry_class in ("hard", "as-printed", "input") and e.agrees_with_printed is not None
+    ]
+    return [gate_check_of_published_entry(e, max_error) for e in gated]
 
 
-def check_external_bands(study: Study) -> list[GateCheck]:
+def check_external_tolerance_bands(cache: SceneResultCache) -> list[GateCheck]:
     """Check the numbers and claims of other programs, makers and textbooks that have a tolerance band.
 
     The limit of the error is the distance from the printed number to that end of the band which lies on the side of the
     computed value.
     """
     tables = [name for name, one in computations_with_function().items() if one.case.name == "external"]
-    return [check_of_band(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
+    return [gate_check_of_tolerance_band(e) for e in evidence(cache, *tables) if e.printed.entry_class == "band"]
 
 
-def check_of_band(found: Evidence) -> GateCheck:
+def gate_check_of_tolerance_band(entry: PrintedEntryComparison) -> GateCheck:
     """Return the acceptance check of a published number or claim that has a tolerance band.
 
-    ``found``: the printed number or claim with the computed value.
+    ``entry``: the printed number or claim with the computed value.
     """
-    p, value = found.printed, found.compared
-    label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
+    p, value = entry.printed, entry.compared_value
+    label, passed = f"{p.place}: {p.claim or p.label}", entry.agrees_with_printed is True
     if p.value is None or value is None or p.low is None or p.high is None:
-        return GateCheck(label, "external, band", None, None, None, None, passed, found.words)
+        return GateCheck(label, "external, band", None, None, None, None, passed, entry.remark)
     limit = abs(float(error_percent(p.high if value >= p.value else p.low, p.value)))
-    return GateCheck(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
+    return GateCheck(label, "external, band", value, p.value, entry.error_percent, limit, passed, entry.remark)
 
 
-def check_closed_forms(study: Study, max_error: float) -> list[GateCheck]:
+def check_closed_forms(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check solutions for the screw of Lin's thesis (scene lin-case1) against closed forms; ``max_error``: limit [%]."""
-    scene = study.scene("lin-case1")
+    scene = cache.built_in_scene("lin-case1")
     limit = min(EXACT, max_error)
     rows = [
-        check_of_number(f"{name} [{unit}]", "closed form", value, reference, limit)
-        for name, unit, value, reference in compare_sphere_on_flat(scene, 225.0)
+        gate_check_of_number(f"{name} [{unit}]", "closed form", value, reference, limit)
+        for name, unit, value, reference in sphere_on_flat_by_program_and_formula(scene, 225.0)
     ]
     for name, (value, reference) in (
-        ("rigid screw, axial load: load of every ball [N]", compare_rigid_screw_load(scene)),
-        ("shaft as a cantilever: tip deflection [m]", compare_cantilever_deflection(scene)),
-        ("two opposite balls, no lead: load [N]", compare_two_ball_load(scene)),
-        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", compare_oversize_preload(scene, 7e-6)),
+        ("rigid screw, axial load: load of every ball [N]", rigid_screw_load_by_solver_and_formula(scene)),
+        ("shaft as a cantilever: tip deflection [m]", tip_deflection_by_solver_and_formula(scene)),
+        ("two opposite balls, no lead: load [N]", two_ball_load_by_solver_and_formula(scene)),
+        (
+            "7 um oversize, no load, rigid screw: load of a screw contact [N]",
+            oversize_preload_by_solver_and_formula(scene, 7e-6),
+        ),
     ):
-        rows.append(check_of_number(name, "closed form", value, reference, limit))
+        rows.append(gate_check_of_number(name, "closed form", value, reference, limit))
     return rows
 
 
-def check_solvers(study: Study, max_error: float) -> list[GateCheck]:
+def check_solvers(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check the equilibrium of the solution of every built-in scene, and the agreement of both solvers of Lin's model.
 
     Limit of the errors: `EXACT`, at most ``max_error`` [%].
     """
     rows = []
     limit = min(EXACT, max_error)
-    for name in catalogue.names_of_single_set_scenes():
-        result = study.solve(name)
+    for name in catalogue.names_of_single_nut_scenes():
+        result = cache.solve_once(name)
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
         percent = float(error_percent(worst, 0.0, 1.0))
         passed, label = result.converged and percent <= limit, f"{name}: balance of the screw"
         rows.append(GateCheck(label, "balance", worst, 0.0, percent, limit, passed, result.status))
     for name in ("lin-case1", "lin-case3-offset"):
-        by_source = solve_from_guess_or_load_steps(study.scene(name), "arc")
-        e2 = load_error(study.solve(name).load, by_source.load)
+        by_source = solve_lin_equations_with_fallback(cache.built_in_scene(name), "arc")
+        e2 = load_error(cache.solve_once(name).load, by_source.contact_loads)
         passed, label = (
             by_source.converged and e2.max_percent <= limit,
             f"{name}: energy solver against Lin's Newton method",
         )
         words = f"worst at ball {e2.ball} {e2.side}; {by_source.status}"
-        rows.append(check_of_error(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
+        rows.append(gate_check_of_error(f"{label}, same equations", "two solvers", e2.max_percent, limit, passed, words))
     return rows
 
 
-def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
+def check_default_model(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check the default model against the stored 3D references of case studies and of screws not used in development.
 
     Two errors of each scene have a limit. The error of the worst contact, in per cent of its reference load (of the mean
@@ -355,34 +369,34 @@ def check_default_model(study: Study, max_error: float) -> list[GateCheck]:
     """
     rows: list[GateCheck] = []
     for name in (*REFERENCED, *UNSEEN):
-        reference, kind = study.reference(name), "3D reference"
+        reference, kind = cache.stored_reference(name), "3D reference"
         if reference is None:
             text = "no run of the 3D reference is stored: run rollbench mesh-study"
-            rows.append(check_of_error(f"{name}: 3D reference", kind, None, max_error, False, text))
+            rows.append(gate_check_of_error(f"{name}: 3D reference", kind, None, max_error, False, text))
             continue
-        load = study.solve(name, DEFAULT).load
+        load = cache.solve_once(name, DEFAULT).load
         bar = largest_uncertainty_percent(reference)
         points = contact_load_errors(name, reference, max_error, load)
         over = [p for p in points if p.exceeds]
         for p in over:
             share, label = p.uncertainty_percent, f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
             text = f"reference's uncertainty {share:.2f} %"
-            rows.append(check_of_error(label, kind, p.error_percent, max_error, False, text, share))
+            rows.append(gate_check_of_error(label, kind, p.error_percent, max_error, False, text, share))
         if not over:
             top = max(points, key=lambda p: abs(p.error_percent))
             label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
-            rows.append(check_of_error(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
+            rows.append(gate_check_of_error(label, kind, top.error_percent, max_error, True, "", top.uncertainty_percent))
         e = load_error(load, reference.load, reference.contacts)
         limit, cause = WIDER.get(name, (TIGHT, ""))
         tight = min(limit, max_error)
         label = f"{name}: largest error of the mean load (ball {e.ball} {e.side})"
         text = "; ".join(filter(None, (f"reference's uncertainty {bar:.2f} %", cause)))
         passed = e.max_percent - min(bar, tight) <= tight
-        rows.append(check_of_error(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
+        rows.append(gate_check_of_error(label, "3D reference, tight", e.max_percent, tight, passed, text, bar))
     return rows
 
 
-def check_lin_model(study: Study, max_error: float) -> list[GateCheck]:
+def check_known_errors_of_lin_model(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Report the largest error of Lin's model on every scene with a 3D reference, and check the list of known errors.
 
     Errors above the limit ``max_error`` [%] do not make a check fail: the contacts with such errors are listed in
@@ -391,10 +405,10 @@ def check_lin_model(study: Study, max_error: float) -> list[GateCheck]:
     rows: list[GateCheck] = []
     known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
     for name in REFERENCED:
-        reference = study.reference(name)
+        reference = cache.stored_reference(name)
         if reference is None:
             continue
-        points = contact_load_errors(name, reference, max_error, study.solve(name, "lin").load)
+        points = contact_load_errors(name, reference, max_error, cache.solve_once(name, "lin").load)
         over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
         top = max(points, key=lambda p: abs(p.error_percent))
         named = {k for k in known if k[0] == name}

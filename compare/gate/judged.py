@@ -15,25 +15,25 @@ from pathlib import Path
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import rate_contact_loads, unloaded_axial_displacement
-from rollbench.compare.models.comparison import Loads, grid_uncertainties, loads_from_run
-from rollbench.compare.models.loading import solve_scaled
+from rollbench.compare.models.answers import results_of_contact_loads, unloaded_axial_displacement
+from rollbench.compare.models.comparison import ContactSolution, mesh_uncertainties, solution_from_run
+from rollbench.compare.models.loading import solve_with_scaled_loads
 from rollbench.compare.models.loads_file import CsvTable, decimal_comma_advice
 from rollbench.compare.models.model_form import axial_contact_force
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
 from rollbench.compare.quantities import name_and_unit_of_key, words_and_unit_of_key
 from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference
-from rollbench.lowfi.statics.contacts import own_hertz
+from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import COMMA, UnitError, dimension_description, has_comma_in_number, parse_quantity
 
 #: Options with which the default model computes the unloaded position of the screw and the contacts for the friction.
-INTERPRETED = Options(discretisation=False, engine="interpreted")
+INTERPRETED = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
 #: Note on quantities whose reference value is computed from contact loads.
 BY_FORMULA = "reference value computed by rollbench's formula from the reference's loads"
 
@@ -47,9 +47,9 @@ class JudgedQuantity:
     #: Name of the quantity in tables, files and options.
     name: str
     #: Ratio of the default error limit of this quantity to that of the contact loads.
-    times: float = 1.0
+    default_limit_ratio: float = 1.0
     #: Default error limit in the unit of the quantity; None: ``times`` the error limit of the contact loads [%].
-    limit: float | None = None
+    default_limit: float | None = None
 
     @property
     def unit(self) -> str:
@@ -57,13 +57,13 @@ class JudgedQuantity:
         return words_and_unit_of_key(self.key)[1]
 
     @property
-    def factor(self) -> float:
+    def display_factor(self) -> float:
         """Factor by which a value in SI units is multiplied to obtain it in the shown unit; 1 for a life."""
         unit = name_and_unit_of_key(self.key)[1]
         return 1.0 if unit is None else unit.factor
 
 
-ANGLE = JudgedQuantity("contact_angle_deg", "contact angle", limit=1.0)
+ANGLE = JudgedQuantity("contact_angle_deg", "contact angle", default_limit=1.0)
 APPROACH = JudgedQuantity("approach_um", "approach", 2.0 / 3.0)
 PRESSURE = JudgedQuantity("pressure_MPa", "pressure", 1.0 / 3.0)
 DISPLACEMENT = JudgedQuantity("displacement_um", "displacement")
@@ -121,7 +121,10 @@ def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float],
     there; otherwise the default, which for most quantities is a multiple of the limit ``limit_of_loads`` of the contact
     loads [%].
     """
-    return stated_limits.get(quantity.name, quantity.times * limit_of_loads if quantity.limit is None else quantity.limit)
+    return stated_limits.get(
+        quantity.name,
+        quantity.default_limit_ratio * limit_of_loads if quantity.default_limit is None else quantity.default_limit,
+    )
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
@@ -129,7 +132,7 @@ def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Arr
 
     ``quantity``: which of the two: `PRESSURE`, or any other for the approach; ``load``: contact loads (n, 4) [N].
     """
-    h = own_hertz(scene, draw_specimen(scene, ball_layout(scene)))
+    h = hertz_of_every_contact(scene, draw_geometry_with_errors(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
 
 
@@ -168,7 +171,7 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
     """
     given = reference.further.get(quantity.name)
     if quantity is ANGLE:
-        bars = np.zeros_like(reference.load) if reference.stated else grid_uncertainties(reference, lambda run: run.angle)
+        bars = np.zeros_like(reference.load) if reference.stated else mesh_uncertainties(reference, lambda run: run.angle)
         return np.radians(reference.best.angle), np.radians(bars)
     bar = uncertainty_from_loads(
         lambda load: hertz_approach_or_pressure(scene, quantity, load), reference.load, reference.uncertainty
@@ -177,21 +180,21 @@ def contact_quantity_of_reference(scene: Scene, reference: Reference, quantity: 
 
 
 @dataclass(frozen=True)
-class WholeScrewQuantities:
+class WholeScrewEvaluation:
     """Evaluation of a scene's contact loads: displacement, rigidity, torque and life of the whole screw."""
 
     #: Scene whose screw is evaluated.
     scene: Scene
 
     @cached_property
-    def start(self) -> float:
+    def unloaded_position(self) -> float:
         """Axial displacement of the screw without external loads by the default model [m].
 
         It is also used for the 3D reference, of which no run without loads exists.
         """
-        return unloaded_axial_displacement(self.scene, solve_scaled(self.scene, 0.0, DEFAULT, INTERPRETED))
+        return unloaded_axial_displacement(self.scene, solve_with_scaled_loads(self.scene, 0.0, DEFAULT, INTERPRETED))
 
-    def value_of(self, quantity: JudgedQuantity, answer: Loads, station: float | None = None) -> float | None:
+    def value_of(self, quantity: JudgedQuantity, answer: ContactSolution, station: float | None = None) -> float | None:
         """Return a quantity of the whole screw in SI units (a life in million revolutions), by a model or a 3D run.
 
         ``answer``: contact loads and displacements by the model or run; ``station``: axial position at which a displacement
@@ -199,20 +202,20 @@ class WholeScrewQuantities:
         """
         angle = np.radians(answer.angle)
         if quantity is LIFE:
-            life = rate_contact_loads(self.scene, answer.load, angle).life
+            life = results_of_contact_loads(self.scene, answer.load, angle).life
             return None if life is None else life.revolutions
         if quantity is TORQUE:
             return self._friction_torque(answer.load, angle)
         at = self.scene.nut.position if station is None else station
         if not answer.stations.size:
             return None
-        moved = float(np.interp(at, answer.stations, answer.line[:, 2])) - self.start
+        moved = float(np.interp(at, answer.stations, answer.line[:, 2])) - self.unloaded_position
         if quantity is DISPLACEMENT:
             return moved
         force = axial_contact_force(self.scene, answer.load, angle)
         return force / moved if moved * force > 0.0 else None
 
-    def reference(
+    def reference_value_and_uncertainty(
         self, quantity: JudgedQuantity, ref: Reference, station: float | None = None
     ) -> tuple[float | None, float | None]:
         """Return the reference's value of a quantity of the whole screw, and its uncertainty, in SI units; None if unknown.
@@ -220,7 +223,7 @@ class WholeScrewQuantities:
         ``ref``: the reference; ``station``: axial position of a displacement [m], None: the nut's centre. A life is in
         million revolutions.
         """
-        answers = [loads_from_run(run, "") for run in ref.runs]
+        answers = [solution_from_run(run, "") for run in ref.runs]
         if quantity in (TORQUE, LIFE):
             best = answers[-1]
             bar = uncertainty_from_loads(
@@ -237,7 +240,10 @@ class WholeScrewQuantities:
         if quantity is TORQUE:
             return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
         if quantity is LIFE:
-            return rate_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words or "no contact carries load"
+            return (
+                results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words
+                or "no contact carries load"
+            )
         return f"{ref.label} contains none" if ref.stated else "the screw does not move in the direction of its load"
 
     def computation_note(self, quantity: JudgedQuantity) -> str:
@@ -245,8 +251,9 @@ class WholeScrewQuantities:
         if quantity in (TORQUE, LIFE):
             return BY_FORMULA
         return (
-            f"measured from the position without loads, which is {1e6 * self.start:.3g} um by the model {DEFAULT}"
-            if self.start
+            f"measured from the position without loads, which is {1e6 * self.unloaded_position:.3g} um by the model "
+            f"{DEFAULT}"
+            if self.unloaded_position
             else ""
         )
 
@@ -262,9 +269,9 @@ class WholeScrewQuantities:
         if self.scene.friction is None or not solved.converged:
             return None
         result = replace(solved, load=load, contact_angle=np.where(np.isfinite(angle), angle, solved.contact_angle))
-        from rollbench.compare.models.friction_sums import torque
+        from rollbench.compare.models.friction_sums import total_friction_torque
 
-        value = torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
+        value = total_friction_torque([(self.scene, result)], self.scene.friction, self.scene.motion, INTERPRETED)
         return None if value is None else 1e-3 * value
 
     @cached_property
@@ -286,7 +293,7 @@ LIVES = {"million revolutions": 1.0, "1e6 revolutions": 1.0, "revolutions": 1e-6
 
 
 @dataclass(frozen=True)
-class GivenValue:
+class UserValue:
     """A user's value of a quantity of the whole screw (such as rigidity or life), which is to be judged."""
 
     #: Quantity that the value belongs to.
@@ -294,21 +301,21 @@ class GivenValue:
     #: Value in SI units; a life in million revolutions.
     value: float
     #: Axial load at which the value applies [N]; None: the loads of the scene.
-    force: float | None = None
+    axial_load: float | None = None
     #: Axial position at which a displacement applies [m]; None: the nut's centre.
     station: float | None = None
     #: Text in the file's column ``where``: load or axial position of the value; may be empty.
-    where: str = ""
+    load_or_position_text: str = ""
     #: Number or name of the nut or bearing on the shaft, as written in the file; empty: none is written.
     set: str = ""
 
     @property
     def name(self) -> str:
         """Name of the quantity, with the load or position at which the value applies."""
-        return self.quantity.name + (f" at {self.where}" if self.where else "")
+        return self.quantity.name + (f" at {self.load_or_position_text}" if self.load_or_position_text else "")
 
 
-def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenValue], tuple[str, ...]]:
+def read_user_values(path: Path, case: str | None = None) -> tuple[list[UserValue], tuple[str, ...]]:
     """Read a user's values of the whole screw (such as rigidity or life), which are to be judged, from a CSV file.
 
     Parameters
@@ -320,7 +327,7 @@ def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenVa
 
     Returns
     -------
-    list of GivenValue
+    list of UserValue
         Values in the order of the rows.
     tuple of str
         Column headings of the file that are not known.
@@ -333,11 +340,11 @@ def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenVa
     needed = (*VALUE_COLUMNS, *(("case",) if case else ()))
     optional = (WHERE, "set")
     table = CsvTable.from_csv(path, needed, VALUE_EXAMPLE, optional)
-    out: dict[tuple[str, ...], GivenValue] = {}
-    for number, cells in table.rows:
+    out: dict[tuple[str, ...], UserValue] = {}
+    for number, cells in table.numbered_rows:
         if case is not None and cells.get("case") != case:
             continue
-        given = _value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
+        given = _user_value_in_row(path, f"line {number}", cells, decimal_comma=table.decimal_comma)
         key = (given.name, given.set)
         if key in out:
             allowed = "each quantity once, at each load or position"
@@ -345,10 +352,10 @@ def read_given_values(path: Path, case: str | None = None) -> tuple[list[GivenVa
         out[key] = given
     if not out and case is None:
         raise InputError(str(path), "file", "no values", "a row for each value", VALUE_EXAMPLE)
-    return list(out.values()), tuple(f'"{title}"' for title in table.titles if title.lower() not in (*needed, *optional))
+    return list(out.values()), tuple(f'"{title}"' for title in table.headings if title.lower() not in (*needed, *optional))
 
 
-def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> GivenValue:
+def _user_value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma: bool) -> UserValue:
     """Return the value of the whole screw that one row of a user's file states; InputError if a cell is not valid.
 
     ``line``: number of the line, as text; ``cells``: texts of the row by column; ``decimal_comma``: whether a comma is the
@@ -385,7 +392,7 @@ def _value_in_row(path: Path, line: str, cells: dict[str, str], *, decimal_comma
         allowed = f"an axial load such as 5 kN{position}"
         advice = decimal_comma_advice("leave the cell empty for the loads of the scene", where)
         raise InputError(str(path), f"{line}: {WHERE}", where, allowed, advice)
-    return GivenValue(quantity, value, force, station, where, cells.get("set", ""))
+    return UserValue(quantity, value, force, station, where, cells.get("set", ""))
 
 
 def _life_in_million_revolutions(number: str, unit: str) -> float:

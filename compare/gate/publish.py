@@ -44,7 +44,7 @@ HEADINGS = (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class VerdictFileRow:
     """Row of a table of verdicts for output files: a verdict on a user's scene, or a check of the built-in scenes."""
 
     #: Whether the row counts as passed.
@@ -72,7 +72,7 @@ class Outcome:
     #: Further explanation.
     note: str = ""
     #: For the balls next to this contact: number of the ball, judged load, reference load and its uncertainty [N].
-    near: tuple[tuple[int, float, float, float], ...] = ()
+    neighbouring_loads: tuple[tuple[int, float, float, float], ...] = ()
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -92,20 +92,22 @@ def number_cell_text(value: float | None, unit: str) -> str:
     return "" if value is None else f"{value:.4g}{'' if unit == '%' else f' {unit}'}"
 
 
-def outcome_of_verdict(v: Verdict) -> Outcome:
+def file_row_of_verdict(v: Verdict) -> VerdictFileRow:
     """Convert the verdict ``v`` on a user's scene to a row of the table of verdicts for output files."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
-    return Outcome(v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near)
+    return VerdictFileRow(
+        v.word == "pass", v.word, v.subject, v.judged, v.quantity, *numbers, v.ball, v.flank or "", note, v.near
+    )
 
 
-def outcome_of_check(row: GateCheck) -> Outcome:
+def file_row_of_check(row: GateCheck) -> VerdictFileRow:
     """Convert an acceptance check of the built-in scenes to a row of the table of verdicts for output files."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
-    return Outcome(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
+    return VerdictFileRow(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
 
-def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
+def junit_xml(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ()) -> str:
     """Return rows of verdicts as JUnit XML: a test case for each row, and the notes as properties.
 
     ``outcomes``: rows of verdicts; ``notes``: notes on the whole table. A row that did not pass is a failure, whose type is
@@ -131,7 +133,7 @@ def junit_xml(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str:
+def markdown_text(outcomes: Sequence[VerdictFileRow], notes: Sequence[str] = ()) -> str:
     """Return rows of verdicts as Markdown: counts, notes, a table, and a chart of loads around the ball of largest error.
 
     ``outcomes``: rows of verdicts, of which those that did not pass come first; ``notes``: notes on the whole table. The
@@ -145,32 +147,32 @@ def markdown_text(outcomes: Sequence[Outcome], notes: Sequence[str] = ()) -> str
     lines = [f"### rollbench check: {head}", *(f"- {_escape_markup(note)}" for note in notes), ""]
     lines += [_table_line(HEADINGS), _table_line(["---"] * len(HEADINGS))]
     lines += [_table_line(o.cells) for o in sorted(outcomes, key=lambda o: o.good)]
-    return "\n".join([*lines, *_load_chart_lines(outcome_with_worst_ball(outcomes))]) + "\n"
+    return "\n".join([*lines, *_load_chart_lines(row_for_load_chart(outcomes))]) + "\n"
 
 
-def outcome_with_worst_ball(outcomes: Sequence[Outcome]) -> Outcome | None:
+def row_for_load_chart(outcomes: Sequence[VerdictFileRow]) -> VerdictFileRow | None:
     """Return the row of verdicts whose contact is drawn in the chart: largest error among failed rows, else among all.
 
     Only rows with loads of the balls around the judged contact count. None if there is no such row.
     """
-    shown = [o for o in outcomes if o.near]
+    shown = [o for o in outcomes if o.neighbouring_loads]
     return min(shown, key=lambda o: (o.good, -abs(o.error or 0.0)), default=None)
 
 
-def _chart_title(o: Outcome) -> str:
+def _chart_title(o: VerdictFileRow) -> str:
     """Return the title of the chart of contact loads around a ball: scene, ball, error and limit of the row ``o``."""
     name = one_line(o.scene, 2000).replace('"', "'")
     return f"{name}, ball {o.ball} {o.flank}: {abs(o.error or 0.0):.2f} {o.unit}, limit {o.limit:.4g} {o.unit}"
 
 
-def _load_chart_lines(o: Outcome | None) -> list[str]:
+def _load_chart_lines(o: VerdictFileRow | None) -> list[str]:
     """Return Markdown lines of a Mermaid chart of the contact loads around a ball; no lines if ``o`` is None.
 
     ``o``: row of verdicts whose ball is drawn.
     """
     if o is None:
         return []
-    balls, loads, reference, _ = zip(*o.near, strict=True)
+    balls, loads, reference, _ = zip(*o.neighbouring_loads, strict=True)
     top = 1.1 * max(*loads, *reference)
     series = [", ".join(f"{x:.4g}" for x in of) for of in (reference, loads)]
     return [
@@ -188,17 +190,17 @@ def _load_chart_lines(o: Outcome | None) -> list[str]:
     ]
 
 
-def worst_ball_figure(o: Outcome) -> Figure:
+def worst_ball_figure(o: VerdictFileRow) -> Figure:
     """Return a figure of judged and reference contact loads around the ball that determines the verdict of row ``o``."""
     from rollbench.reports.content import Figure, Panel, Series
 
-    balls, loads, reference, bars = (list(x) for x in zip(*o.near, strict=True))
+    balls, loads, reference, bars = (list(x) for x in zip(*o.neighbouring_loads, strict=True))
     ends = [r - b for r, b in zip(reference, bars, strict=True)], [r + b for r, b in zip(reference, bars, strict=True)]
     series = (
-        Series("reference", balls, reference, "markers", emphasis=True, bars=ends),
+        Series("reference", balls, reference, "markers", bold=True, error_bars=ends),
         Series(o.judged, balls, loads, "line+markers"),
     )
-    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", series, zero=True, integer_x=True)
+    panel = Panel(f"flank {o.flank}", "ball", "contact load / N", series, include_zero=True, integer_x=True)
     return Figure("worst-ball", _chart_title(o), (panel,))
 
 
@@ -212,7 +214,7 @@ def _escape_markup(text: str) -> str:
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
 
 
-def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
+def verdicts_csv(outcomes: Sequence[VerdictFileRow]) -> str:
     """Return rows of verdicts as CSV text, with a line of column headings."""
     text = io.StringIO()
     writer = csv.writer(text)
@@ -222,7 +224,7 @@ def verdicts_csv(outcomes: Sequence[Outcome]) -> str:
 
 
 def write_verdicts(
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[VerdictFileRow],
     notes: Sequence[str] = (),
     *,
     junit_file: Path | None = None,
@@ -262,7 +264,7 @@ def write_verdicts(
         if file is not None:
             replace_file(file, text_of(outcomes, notes))
             written.append(file)
-    shown = outcome_with_worst_ball(outcomes)
+    shown = row_for_load_chart(outcomes)
     if markdown_file is not None and shown is not None and not reason_without_figure():
         written.append(markdown_file.with_suffix(".svg"))
         write_figure(written[-1], worst_ball_figure(shown))
@@ -299,7 +301,7 @@ class RoundedVerdict(NamedTuple):
     unit: str
 
     @property
-    def size(self) -> str:
+    def error_text(self) -> str:
         """Absolute error as text with two decimals, with its unit unless that is per cent; empty if there is no error."""
         return "" if self.error is None else f"{abs(self.error):.2f}{'' if self.unit == '%' else f' {self.unit}'}"
 
@@ -326,7 +328,7 @@ class VerdictChange(NamedTuple):
             "scene": self.scene,
             "quantity": self.quantity,
             "verdict": [row and row.verdict for row in rows],
-            "error": [row and row.size for row in rows],
+            "error": [row and row.error_text for row in rows],
             "limit": limits[0] if limits else "",
         }
 
@@ -340,13 +342,13 @@ class VerdictChange(NamedTuple):
             return f"{head}: removed, was {before.verdict if before else ''}"
         if before is None:
             return f"{head}: new, {after.verdict}"
-        sizes = " -> ".join(dict.fromkeys(row.size or "no error" for row in (before, after)))
+        sizes = " -> ".join(dict.fromkeys(row.error_text or "no error" for row in (before, after)))
         unit, limit = " %" if after.unit == "%" else "", self.as_json()["limit"]
         words = f", {before.verdict} -> {after.verdict}" if before.verdict != after.verdict else ""
         return f"{head} {sizes}{unit}{f', limit {limit}' if limit else ''}{words}"
 
 
-def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[VerdictChange]:
+def verdict_changes_since_file(path: Path, outcomes: Sequence[VerdictFileRow]) -> list[VerdictChange]:
     """Return the changes of verdicts since an earlier file: other verdict or error, new rows, removed rows.
 
     Parameters
@@ -366,7 +368,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
     InputError
         If the file cannot be read.
     """
-    before, after = _read_earlier_verdicts(path), dict(map(_key_and_rounded_verdict, outcomes))
+    before, after = _read_earlier_verdicts(path), dict(map(_label_and_rounded_verdict, outcomes))
     pairs = {label: (before.get(label), after.get(label)) for label in (*before, *after)}
     return [
         VerdictChange(*label, old, new)
@@ -377,7 +379,7 @@ def changes_against_file(path: Path, outcomes: Sequence[Outcome]) -> list[Verdic
 
 def _verdict_and_error_text(row: RoundedVerdict | None) -> tuple[str, str] | None:
     """Return verdict and error (two decimals) of a row as texts, to compare earlier and present rows; None without row."""
-    return None if row is None else (row.verdict, row.size)
+    return None if row is None else (row.verdict, row.error_text)
 
 
 def _rounded_verdict(verdict: str, error: float | None, limit: float | None, unit: str) -> RoundedVerdict:
@@ -386,7 +388,7 @@ def _rounded_verdict(verdict: str, error: float | None, limit: float | None, uni
     return RoundedVerdict(verdict, error, limit, unit)
 
 
-def _key_and_rounded_verdict(o: Outcome) -> tuple[Label, RoundedVerdict]:
+def _label_and_rounded_verdict(o: VerdictFileRow) -> tuple[Label, RoundedVerdict]:
     """Return the names of scene and quantity that identify the row of verdicts ``o``, and its rounded verdict."""
     return (one_line(o.scene, 2000), one_line(o.quantity, 2000)), _rounded_verdict(o.word, o.error, o.limit, o.unit)
 

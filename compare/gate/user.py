@@ -12,21 +12,21 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate.judged import (
     ANGLE,
     LIFE,
     OF_CONTACTS,
-    GivenValue,
+    UserValue,
     error_limit_of,
     parse_error_limits,
-    read_given_values,
+    read_user_values,
 )
 from rollbench.compare.gate.verdict import (
     LARGEST,
     LIMIT,
-    ContactValues,
-    Limits,
+    ErrorLimits,
+    JudgedContactValues,
     Verdict,
     contact_values_by_model,
     judge_contact_loads,
@@ -37,23 +37,23 @@ from rollbench.compare.gate.verdict import (
 )
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.comparison import (
-    Referenced,
-    SetOfAssembly,
+    NutOrBearingOnShaft,
+    SceneWithReference,
     comparison_options,
     contact_load_errors,
-    loads_from_result,
     models_by_name,
-    solution_of_set,
+    solution_from_result,
+    solution_of_nut_or_bearing,
     stored_references,
 )
-from rollbench.compare.models.loading import scale_loads
-from rollbench.compare.models.loads_file import EVERY, GivenLoads, Only, decimal_comma_advice, read_loads
+from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.loads_file import EVERY, ContactLoadsFromFile, Only, decimal_comma_advice, read_loads
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.registry import DEFAULT, find_model, run_model
-from rollbench.compare.reference.estimate import GridParts, Reference
-from rollbench.compare.reference.jobs import Engine, ensure, plan_tasks
+from rollbench.compare.models.registry import DEFAULT, model_by_name, run_model
+from rollbench.compare.reference.estimate import MeshUncertainty, Reference
+from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_tasks
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, load_run, shipped_store
+from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
 from rollbench.compare.reference.tasks import Solvable, group_by_geometry
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -99,7 +99,7 @@ def read_reference_file(
         If the file cannot be read or does not fit the scene.
     """
     given = read_loads(path, scene.ball_count, scene, row_filter)
-    left = [side for side in SIDES if side not in given.flanks]
+    left = [side for side in SIDES if side not in given.flanks_with_rows]
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
         allowed = "a load of every ball on the flanks SL, SR, NL and NR"
@@ -108,16 +108,18 @@ def read_reference_file(
         advice = "check that the file holds the reference loads of this scene"
         raise InputError(str(path), "file", "only loads of 0", "at least one contact load above 0", advice)
     contacts = nominal_contacts(scene) if contacts is None else contacts
-    bars, words = _stated_uncertainty(path, given, mean_load(given.load, contacts))
+    bars, words = _load_uncertainty_in_file(path, given, mean_load(given.load, contacts))
     source = given.notes.get(PROVENANCE, "")
     stated = f"against {path.name}{f' ({source})' if source else ''}, {words}"
-    angle = np.degrees(given.further.get("angle", np.full(given.load.shape, np.nan)))
-    further = {q.name: given.further[name] for name, q in OF_CONTACTS.items() if name in given.further}
+    angle = np.degrees(given.further_quantities.get("angle", np.full(given.load.shape, np.nan)))
+    further = {
+        q.name: given.further_quantities[name] for name, q in OF_CONTACTS.items() if name in given.further_quantities
+    }
     share = float(error_percent(bars.max(), 0.0, mean_load(given.load, contacts)))
-    parts = GridParts(share)
-    run = run_record_of_loads(scene, given.load, angle)
+    parts = MeshUncertainty(share)
+    run = loads_as_run_record(scene, given.load, angle)
     label = re.sub(r"\s+", " ", path.name)
-    return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown
+    return Reference(scene.name, (run,), given.load, bars, parts, contacts, label, stated, further), given.unknown_headings
 
 
 def uncertainty_warning(ref: Reference, limit: float) -> str:
@@ -135,20 +137,20 @@ def uncertainty_warning(ref: Reference, limit: float) -> str:
     )
 
 
-def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Array, str]:
+def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: float) -> tuple[Array, str]:
     """Return the uncertainty of the contact loads (n, 4) [N] that a user's reference file states, and a text about it.
 
     ``given``: contents of the file; ``mean``: mean contact load [N], to which a percentage in a note refers. InputError if
     the file states the uncertainty in several ways or not validly.
     """
     on = given.load > 0.0
-    stated = [name for name in ("uncertainty", "uncertain share") if name in given.further]
+    stated = [name for name in ("uncertainty", "uncertain share") if name in given.further_quantities]
     note = given.notes.get(UNCERTAINTY)
     if len(stated) + (note is not None) > 1:
         allowed = "one column or one note"
         raise InputError(str(path), "uncertainty", "several columns or notes", allowed, "keep one and delete the others")
     if stated:
-        values = given.further[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
+        values = given.further_quantities[stated[0]] * (given.load if stated[0] == "uncertain share" else 1.0)
         gaps = np.argwhere(np.isnan(values) & on)
         if gaps.size:
             value = f"no uncertainty of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
@@ -169,7 +171,7 @@ def _stated_uncertainty(path: Path, given: GivenLoads, mean: float) -> tuple[Arr
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"
 
 
-def run_record_of_loads(scene: Scene, load: Array, angle: Array) -> Run:
+def loads_as_run_record(scene: Scene, load: Array, angle: Array) -> Run:
     """Return given contact loads and angles as the record of a 3D run that has no mesh, displacements and times.
 
     ``load``: contact loads (n, 4) [N]; ``angle``: contact angles (n, 4) [deg]. Loads from a file can then be used wherever
@@ -228,21 +230,21 @@ class GateRequest:
     #: Name of the model whose loads are judged.
     model: str = DEFAULT
     #: File of contact loads that are judged instead of a model's.
-    loads: Path | None = None
+    loads_file: Path | None = None
     #: Limit of the errors of contact loads [%]; None: the limit that the scene states, or else `LIMIT`.
     max_error: float | None = None
     #: Least number of mesh levels of the 3D reference; None: as many as are stored, but at least `ENOUGH`.
-    levels: int | None = None
+    least_levels: int | None = None
     #: Whether missing runs of the 3D reference are computed.
-    compute: bool = True
+    compute_missing_runs: bool = True
     #: File of further values (such as stiffness or life) that are judged.
-    values: Path | None = None
+    values_file: Path | None = None
     #: Error limits of quantities other than loads, by name of the quantity [%; deg for contact angles].
-    limits: Mapping[str, float] = field(default_factory=dict)
+    other_limits: Mapping[str, float] = field(default_factory=dict)
     #: File of contact loads that replaces the 3D reference.
-    reference: Path | None = None
+    reference_file: Path | None = None
     #: Whether unknown column headings are an error.
-    strict: bool = False
+    refuse_unknown_columns: bool = False
 
 
 def gate_request(
@@ -316,23 +318,23 @@ def gate_request(
 
 
 @dataclass(frozen=True)
-class UserFiles:
+class UserFileContents:
     """Contents of a user's files for one scene or load case: judged contact loads, judged values, reference loads."""
 
     #: Contact loads of another program, one record for each nut or bearing.
-    loads: tuple[GivenLoads, ...] = ()
+    loads: tuple[ContactLoadsFromFile, ...] = ()
     #: Values of quantities of the whole screw (such as stiffness or life).
-    values: tuple[GivenValue, ...] = ()
+    values: tuple[UserValue, ...] = ()
     #: For each axial load [N] at which a value is given, the scene with its loads scaled to that axial load.
-    at: Mapping[float, Scene] = field(default_factory=dict)
+    scenes_by_axial_load: Mapping[float, Scene] = field(default_factory=dict)
     #: User's reference, one record for each nut or bearing.
-    reference: tuple[Referenced, ...] = ()
+    reference: tuple[SceneWithReference, ...] = ()
 
 
 def check_scenes(
     scenes: Sequence[Solvable],
     request: GateRequest,
-    engine: Engine,
+    engine: ComputingSettings,
     step: Callable[[str], None],
     warn: Callable[[str], None] = lambda _: None,
     cases: Mapping[str, str] = NO_CASES,
@@ -369,7 +371,7 @@ def check_scenes(
     """
     warned: dict[str, None] = {}
     for scene in scenes:
-        for words in fraction_limit_warnings(limits_for_scene(scene, request.max_error, request.limits)):
+        for words in fraction_limit_warnings(limits_for_scene(scene, request.max_error, request.other_limits)):
             warned.setdefault(words)
     read = [
         _read_user_files(scene, request, warned.setdefault, cases.get(scene.name))
@@ -377,77 +379,91 @@ def check_scenes(
     ]
     for words in warned:
         warn(words)
-    each_files = read or [UserFiles()] * len(scenes)
+    each_files = read or [UserFileContents()] * len(scenes)
     why = (
-        _compute_missing_runs([*scenes, *(s for f in read for s in f.at.values())], request, engine, step)
-        if request.compute
+        _compute_missing_runs([*scenes, *(s for f in read for s in f.scenes_by_axial_load.values())], request, engine, step)
+        if request.compute_missing_runs
         else {}
     )
     out: list[Verdict] = []
     for scene, files in zip(scenes, each_files, strict=True):
-        limits = limits_for_scene(scene, request.max_error, request.limits)
-        each: Sequence[Referenced] = files.reference or stored_references(scene, request.stores)
+        limits = limits_for_scene(scene, request.max_error, request.other_limits)
+        each: Sequence[SceneWithReference] = files.reference or stored_references(scene, request.stores)
         reason = why.get(scene.name, NONE_STORED)
-        if request.values is None or request.loads is not None:
+        if request.values_file is None or request.loads_file is not None:
             out += [v for one in each for v in _contact_verdicts_of_set(one, files, limits, request)]
-            judged = model_title(request.model) if request.loads is None else request.loads.name
-            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest, reason)]
+            judged = model_title(request.model) if request.loads_file is None else request.loads_file.name
+            out += [] if each else [_not_covered_verdict(scene, judged, LARGEST, limits.largest_load_error, reason)]
         for value in files.values:
-            beside = each if value.force is None else stored_references(files.at[value.force], request.stores)
+            beside = (
+                each
+                if value.axial_load is None
+                else stored_references(files.scenes_by_axial_load[value.axial_load], request.stores)
+            )
             out.append(
-                _verdict_on_value(
+                _verdict_on_user_value(
                     value, [x for x in beside if is_name_of_set(x, value.set)], scene, limits, request, reason
                 )
             )
     return out
 
 
-def _contact_verdicts_of_set(one: Referenced, files: UserFiles, limits: Limits, request: GateRequest) -> list[Verdict]:
+def _contact_verdicts_of_set(
+    one: SceneWithReference, files: UserFileContents, limits: ErrorLimits, request: GateRequest
+) -> list[Verdict]:
     """Return the verdicts on the contact loads of one nut or bearing by a model or by a user's file.
 
     ``one``: the nut or bearing with its reference; ``files``: contents of the user's files; ``limits``: error limits;
     ``request``: model or file to be judged.
     """
-    if request.loads is None:
-        return _with_set_name(_verdicts_on_model(one, request.model, limits, request.stores), one)
-    given, judged = files.loads[0 if one.of is None else one.of.number], request.loads.name
-    detail = "; ".join(filter(None, _notes_on_loads(given, one.found, limits)))
-    verdicts = judge_contact_loads(judged, given.load, one.found, limits, given.flanks, detail)
+    if request.loads_file is None:
+        return _add_scene_and_set_names(_verdicts_on_model(one, request.model, limits, request.stores), one)
+    given, judged = files.loads[0 if one.place_on_shaft is None else one.place_on_shaft.index], request.loads_file.name
+    detail = "; ".join(filter(None, _explanations_on_user_loads(given, one.reference, limits)))
+    verdicts = judge_contact_loads(judged, given.load, one.reference, limits, given.flanks_with_rows, detail)
     further = judge_contact_quantities(
-        judged, ContactValues(given.load, given.further, given.flanks), one.scene, one.found, limits
+        judged,
+        JudgedContactValues(given.load, given.further_quantities, given.flanks_with_rows),
+        one.scene,
+        one.reference,
+        limits,
     )
-    return _with_set_name(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
+    return _add_scene_and_set_names(_add_stored_reference_verdict(verdicts, given, one, limits, request) + further, one)
 
 
-def _with_set_name(verdicts: list[Verdict], one: Referenced) -> list[Verdict]:
+def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -> list[Verdict]:
     """Return the verdicts with the names of the scene and of its nut or bearing filled in, if the scene has several.
 
     ``one``: the nut or bearing that they judge; the verdicts of a scene with a single one are unchanged.
     """
-    return verdicts if one.of is None else [replace(v, scene=one.of.assembly.name, set=one.of.name) for v in verdicts]
+    return (
+        verdicts
+        if one.place_on_shaft is None
+        else [replace(v, scene=one.place_on_shaft.assembly.name, set=one.place_on_shaft.name) for v in verdicts]
+    )
 
 
 def _add_stored_reference_verdict(
-    verdicts: list[Verdict], given: GivenLoads, one: Referenced, limits: Limits, request: GateRequest
+    verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
 ) -> list[Verdict]:
     """Return the verdicts, with the stored 3D reference's verdict on the same loads added to the first one's explanation.
 
     Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
     user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
     """
-    ours = stored_reference_of_set(one, request.stores) if one.found.stated else None
+    ours = stored_reference_of_set(one, request.stores) if one.reference.stated else None
     if ours is None:
         return verdicts
-    other = judge_contact_loads("", given.load, ours, limits, given.flanks)[0]
+    other = judge_contact_loads("", given.load, ours, limits, given.flanks_with_rows)[0]
     words = f"by the stored 3D reference: {other.compared()}, {other.word}"
     return [replace(verdicts[0], detail=f"{verdicts[0].detail}; {words}"), *verdicts[1:]]
 
 
-def _verdict_on_value(
-    value: GivenValue,
-    referenced_sets: Sequence[Referenced],
+def _verdict_on_user_value(
+    value: UserValue,
+    referenced_sets: Sequence[SceneWithReference],
     scene: Solvable,
-    limits: Limits,
+    limits: ErrorLimits,
     request: GateRequest,
     reason: str,
 ) -> Verdict:
@@ -457,21 +473,25 @@ def _verdict_on_value(
     there is none, the verdict is "not covered" for the given ``reason``. Of several nuts or bearings on one shaft, only the
     life of each is judged. ``scene``: the scene that the user's file describes.
     """
-    assert request.values is not None
+    assert request.values_file is not None
     one = next(iter(referenced_sets), None)
-    if one is None or (one.of is not None and value.quantity is not LIFE):
-        limit = error_limit_of(value.quantity, limits.others, limits.largest)
+    if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
+        limit = error_limit_of(value.quantity, limits.limits_by_quantity, limits.largest_load_error)
         reason = reason if one is None else "with several sets of balls on one shaft, only the life of each set is judged"
-        return _not_covered_verdict(scene, request.values.name, value.name, limit, reason)
-    return _with_set_name([judge_given_value(request.values.name, value, one.scene, one.found, limits)], one)[0]
+        return _not_covered_verdict(scene, request.values_file.name, value.name, limit, reason)
+    return _add_scene_and_set_names(
+        [judge_given_value(request.values_file.name, value, one.scene, one.reference, limits)], one
+    )[0]
 
 
-def is_name_of_set(referenced: Referenced, text: str) -> bool:
+def is_name_of_set(referenced: SceneWithReference, text: str) -> bool:
     """Return whether a text is the number (from 1) or the name of a nut or bearing; True for a scene with a single one.
 
     ``referenced``: the nut or bearing with its reference.
     """
-    return referenced.of is None or text in _names_of_set(referenced.of.assembly, referenced.of.number)
+    return referenced.place_on_shaft is None or text in _names_of_set(
+        referenced.place_on_shaft.assembly, referenced.place_on_shaft.index
+    )
 
 
 def _names_of_set(assembly: Assembly, k: int) -> tuple[str, str]:
@@ -495,7 +515,7 @@ def _scenes_with_user_files(
     ``scenes``: scenes to be judged; ``cases``: name of the load case by name of the scene, for load cases of one scene.
     ArgumentError if there are several scenes that are not load cases of a single one.
     """
-    named = {"loads": request.loads, "values": request.values, "reference": request.reference}
+    named = {"loads": request.loads_file, "values": request.values_file, "reference": request.reference_file}
     for argument, path in named.items():
         if path is not None and len(scenes) != 1 and len(cases) != len(scenes):
             advice = "check the scenes one by one, each with its own file"
@@ -503,29 +523,37 @@ def _scenes_with_user_files(
     return scenes if any(named.values()) else ()
 
 
-def _read_user_files(scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None) -> UserFiles:
+def _read_user_files(
+    scene: Solvable, request: GateRequest, warn: Callable[[str], None], case: str | None
+) -> UserFileContents:
     """Read the user's files of loads, values and reference for a scene; InputError if they do not fit it.
 
     ``warn``: function that is called with each warning; ``case``: load case whose rows are read; None: all rows.
     """
-    reference: list[Referenced] = []
-    loads, values = [], list[GivenValue]()
+    reference: list[SceneWithReference] = []
+    loads, values = [], list[UserValue]()
     at: dict[float, Scene] = {}
-    if request.reference is not None:
-        limit = limits_for_scene(scene, request.max_error).largest
-        reference = references_from_file(request.reference, scene, warn, limit, strict=request.strict, case=case)
-    if request.loads is not None:
+    if request.reference_file is not None:
+        limit = limits_for_scene(scene, request.max_error).largest_load_error
+        reference = references_from_file(
+            request.reference_file, scene, warn, limit, strict=request.refuse_unknown_columns, case=case
+        )
+    if request.loads_file is not None:
         for of, only in sets_with_row_filter(scene, case):
-            loads.append(read_loads(request.loads, of.ball_count, of, only))
-            _check_unknown_columns(request.loads, loads[-1].unknown, warn, strict=request.strict)
-    if request.values is not None:
-        values, unknown = read_given_values(request.values, case)
-        _check_unknown_columns(request.values, unknown, warn, strict=request.strict)
-        _check_set_names(scene, values, request.values)
+            loads.append(read_loads(request.loads_file, of.ball_count, of, only))
+            _check_unknown_columns(
+                request.loads_file, loads[-1].unknown_headings, warn, strict=request.refuse_unknown_columns
+            )
+    if request.values_file is not None:
+        values, unknown = read_user_values(request.values_file, case)
+        _check_unknown_columns(request.values_file, unknown, warn, strict=request.refuse_unknown_columns)
+        _check_set_names(scene, values, request.values_file)
         at = {
-            value.force: _scene_at_value_load(scene, value, request.values) for value in values if value.force is not None
+            value.axial_load: _scene_at_value_load(scene, value, request.values_file)
+            for value in values
+            if value.axial_load is not None
         }
-    return UserFiles(tuple(loads), tuple(values), at, tuple(reference))
+    return UserFileContents(tuple(loads), tuple(values), at, tuple(reference))
 
 
 def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene, Only]]:
@@ -542,7 +570,7 @@ def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene,
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
             raise InputError(scene.name, "sets", s.name, "only sets of balls", advice)
-        out.append((SetOfAssembly(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
+        out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
     return out
 
 
@@ -554,7 +582,7 @@ def references_from_file(
     *,
     strict: bool = False,
     case: str | None = None,
-) -> list[Referenced]:
+) -> list[SceneWithReference]:
     """Read the user's reference file and return the reference loads of each nut or bearing of a scene.
 
     Parameters
@@ -585,26 +613,32 @@ def references_from_file(
     """
     out = []
     for k, (parts, only) in enumerate(sets_with_row_filter(scene, case)):
-        of = None if isinstance(scene, Scene) else SetOfAssembly(scene, k)
-        reference, unknown = read_reference_file(path, parts, only, None if of is None else of.contacts)
+        of = None if isinstance(scene, Scene) else NutOrBearingOnShaft(scene, k)
+        reference, unknown = read_reference_file(path, parts, only, None if of is None else of.loaded_contact_count)
         reference = reference if of is None else replace(reference, scene=f"{scene.name}, {of.name}")
         _check_unknown_columns(path, unknown, warn, strict=strict)
-        if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest):
+        if words := uncertainty_warning(reference, limits_for_scene(scene, limit).largest_load_error):
             warn(words)
-        out.append(Referenced(parts, reference, of))
+        out.append(SceneWithReference(parts, reference, of))
     return out
 
 
-def stored_reference_of_set(referenced: Referenced, stores: Sequence[Path]) -> Reference | None:
+def stored_reference_of_set(referenced: SceneWithReference, stores: Sequence[Path]) -> Reference | None:
     """Return the stored 3D reference of a nut or bearing that was judged against a user's reference; None if there is none.
 
     ``referenced``: the nut or bearing with the user's reference; ``stores``: folders with runs of the 3D reference.
     """
-    references = stored_references(referenced.scene if referenced.of is None else referenced.of.assembly, stores)
-    return references[0 if referenced.of is None else referenced.of.number].found if references else None
+    references = stored_references(
+        referenced.scene if referenced.place_on_shaft is None else referenced.place_on_shaft.assembly, stores
+    )
+    return (
+        references[0 if referenced.place_on_shaft is None else referenced.place_on_shaft.index].reference
+        if references
+        else None
+    )
 
 
-def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) -> None:
+def _check_set_names(scene: Solvable, values: Sequence[UserValue], path: Path) -> None:
     """Raise InputError if a value in a user's file names no nut or bearing of the scene, or an unknown one.
 
     ``path``: path of the file. Values of a scene with a single nut or bearing need no name.
@@ -618,21 +652,23 @@ def _check_set_names(scene: Solvable, values: Sequence[GivenValue], path: Path) 
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
-def _scene_at_value_load(scene: Solvable, value: GivenValue, path: Path) -> Scene:
+def _scene_at_value_load(scene: Solvable, value: UserValue, path: Path) -> Scene:
     """Return the scene with its loads scaled to the axial load at which a user's value is given.
 
     ``value``: the value with its axial load; ``path``: the user's file. InputError if the scene has no axial load, or
     several nuts or bearings.
     """
-    assert value.force is not None
+    assert value.axial_load is not None
     if isinstance(scene, Assembly):
         advice = "leave the cell empty: several nuts or bearings are judged only at the loads of the scene"
-        raise InputError(str(path), "where", value.where, "no entry", advice)
+        raise InputError(str(path), "where", value.load_or_position_text, "no entry", advice)
     axial = abs(sum(load.force[2] for load in scene.loads))
     if axial == 0.0:
         advice = "leave the cell empty: the scene has no axial load that could be scaled to this value"
-        raise InputError(str(path), "where", value.where, "an axial load only for a scene with an axial load", advice)
-    return scale_loads(scene, value.force / axial)
+        raise InputError(
+            str(path), "where", value.load_or_position_text, "an axial load only for a scene with an axial load", advice
+        )
+    return with_scaled_loads(scene, value.axial_load / axial)
 
 
 def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[str], None], *, strict: bool) -> None:
@@ -644,20 +680,20 @@ def _check_unknown_columns(path: Path, headings: Sequence[str], warn: Callable[[
     warn(f"{path.name}: unknown columns are not judged: {', '.join(headings)}; known columns: {KNOWN}")
 
 
-def _notes_on_loads(given: GivenLoads, reference: Reference, limits: Limits) -> Iterator[str]:
+def _explanations_on_user_loads(given: ContactLoadsFromFile, reference: Reference, limits: ErrorLimits) -> Iterator[str]:
     """Yield explanations for the verdict on a user's contact loads; some may be empty texts.
 
     ``given``: the user's contact loads; ``limits``: error limits. The notes state flanks without loads, balls that the file
     numbers differently, and suspected causes of large errors.
     """
-    left = [side for side in SIDES if side not in given.flanks]
+    left = [side for side in SIDES if side not in given.flanks_with_rows]
     yield f"flanks not judged because the file has no loads on them: {', '.join(left)}" if left else ""
-    if given.renumbered:
-        yield f"{given.renumbered} balls are numbered differently in the file, and were matched by azimuth and z"
-    yield suspected_cause_text(given.load, reference.load, given.flanks, limits.largest)
+    if given.renumbered_ball_count:
+        yield f"{given.renumbered_ball_count} balls are numbered differently in the file, and were matched by azimuth and z"
+    yield suspected_cause_text(given.load, reference.load, given.flanks_with_rows, limits.largest_load_error)
 
 
-def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> Limits:
+def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[str, float] = NO_OTHERS) -> ErrorLimits:
     """Return the error limits for a scene: those of the user, else those of the scene, else the default `LIMIT`.
 
     Parameters
@@ -675,50 +711,55 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
         Limits by which the scene is judged.
     """
     if isinstance(scene, Assembly):
-        return Limits(LIMIT if max_error is None else max_error, others=others)
+        return ErrorLimits(LIMIT if max_error is None else max_error, limits_by_quantity=others)
     limit = LIMIT if scene.gate.max_error is None else scene.gate.max_error
-    return Limits(limit if max_error is None else max_error, scene.gate.rms_error, others)
+    return ErrorLimits(limit if max_error is None else max_error, scene.gate.rms_error, others)
 
 
-def fraction_limit_warnings(limits: Limits) -> Iterator[str]:
+def fraction_limit_warnings(limits: ErrorLimits) -> Iterator[str]:
     """Yield a warning for each error limit that looks like a fraction, such as 0.07 % where 7 % may be meant."""
-    for name, limit in {"loads": limits.largest, **limits.others}.items():
+    for name, limit in {"loads": limits.largest_load_error, **limits.limits_by_quantity}.items():
         if limit < SHARE and name != ANGLE.name:
             yield f"the limit of {name} is {limit:g} %: do you mean {100.0 * limit:g} %? Limits are in per cent"
 
 
-def _verdicts_on_model(one: Referenced, name: str, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
+def _verdicts_on_model(one: SceneWithReference, name: str, limits: ErrorLimits, stores: Sequence[Path]) -> list[Verdict]:
     """Return the verdicts on a model's results for one nut or bearing; one "fail" if the model finds no equilibrium.
 
     ``one``: the nut or bearing with its reference; ``name``: name of the model; ``stores``: folders with 3D runs.
     """
-    scene, ref, title = one.scene, one.found, model_title(name)
-    if one.of is not None:
-        answer = solution_of_set(one.of, name)
-        result, status = (None, answer) if isinstance(answer, str) else (answer.result, "converged")
+    scene, ref, title = one.scene, one.reference, model_title(name)
+    if one.place_on_shaft is not None:
+        answer = solution_of_nut_or_bearing(one.place_on_shaft, name)
+        result, status = (None, answer) if isinstance(answer, str) else (answer.loaded_result, "converged")
     else:
-        model = find_model(name)
-        if not model.suits(scene):
+        model = model_by_name(name)
+        if not model.covers_scene(scene):
             advice = "choose another model; the command rollbench list shows which scenes each model can describe"
             raise ArgumentError("model", f'"{name}"', f"a model that can describe {scene.name}", advice)
         solved = run_model(scene, name, comparison_options(model, scene, ref, stores))
         result, status = solved if solved.converged else None, solved.status
     if result is None:
         detail = f"the model computed no loads: {status}"
-        return [Verdict(scene.name, title, LARGEST, "fail", None, None, limits.largest, levels=ref.levels, detail=detail)]
-    loads = loads_from_result(result)
+        return [
+            Verdict(
+                scene.name, title, LARGEST, "fail", None, None, limits.largest_load_error, levels=ref.levels, detail=detail
+            )
+        ]
+    loads = solution_from_result(result)
     verdicts = judge_contact_loads(title, result.load, ref, limits) + judge_contact_quantities(
-        title, contact_values_by_model(scene, loads, limits.others), scene, ref, limits
+        title, contact_values_by_model(scene, loads, limits.limits_by_quantity), scene, ref, limits
     )
-    if one.of is not None:
+    if one.place_on_shaft is not None:
         return verdicts
     return verdicts + [
-        judge_given_value(title, v, scene, ref, limits) for v in screw_values_by_model(scene, loads, limits.others)
+        judge_given_value(title, v, scene, ref, limits)
+        for v in screw_values_by_model(scene, loads, limits.limits_by_quantity)
     ]
 
 
 def _compute_missing_runs(
-    scenes: Sequence[Solvable], request: GateRequest, engine: Engine, step: Callable[[str], None]
+    scenes: Sequence[Solvable], request: GateRequest, engine: ComputingSettings, step: Callable[[str], None]
 ) -> dict[str, str]:
     """Compute missing runs of the 3D reference, and return the reasons of failed ones by name of the scene.
 
@@ -730,8 +771,10 @@ def _compute_missing_runs(
     for group in group_by_geometry(scenes):
         for levels, lacking in _missing_levels(group, request).items():
             try:
-                failed = ensure(plan_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:])
-            except Refusal as error:
+                failed = ensure_runs_are_stored(
+                    plan_tasks(lacking, levels), request.stores[0], engine, step, request.stores[1:]
+                )
+            except SceneNotCoveredError as error:
                 why |= {scene.name: str(error) for scene in lacking}
                 continue
             why |= {run.scene: f"level {run.level} of its 3D reference: {run.status}" for run in failed}
@@ -742,8 +785,8 @@ def _missing_levels(scenes: Sequence[Solvable], request: GateRequest) -> dict[tu
     """Return the scenes with missing runs of the 3D reference, grouped by the mesh levels still to be computed."""
     out: dict[tuple[int, ...], list[Solvable]] = {}
     for scene in scenes:
-        stored = [k for k in LEVELS if load_run(scene, k, stores=request.stores) is not None]
-        least = request.levels or (ENOUGH if len(stored) < ENOUGH else 0)
+        stored = [k for k in LEVELS if load_stored_run(scene, k, stores=request.stores) is not None]
+        least = request.least_levels or (ENOUGH if len(stored) < ENOUGH else 0)
         lacking = tuple(k for k in range(1, least + 1) if k not in stored)
         if lacking:
             out.setdefault(lacking, []).append(scene)

@@ -12,14 +12,14 @@ from rollbench.compare.gate.judged import (
     ANGLE,
     OF_CONTACTS,
     QUANTITIES,
-    GivenValue,
-    WholeScrewQuantities,
+    UserValue,
+    WholeScrewEvaluation,
     contact_quantity_of_reference,
     error_limit_of,
     hertz_approach_or_pressure,
 )
-from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, loaded_contacts, mean_load
-from rollbench.compare.models.comparison import RULE, Loads, contact_load_errors
+from rollbench.compare.measure import SMALL, LoadError, error_percent, load_error, mask_of_loaded_contacts, mean_load
+from rollbench.compare.models.comparison import RULE, ContactSolution, contact_load_errors
 from rollbench.compare.quantities import words_and_unit_of_key
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
@@ -53,16 +53,16 @@ ONE_LEVEL = "one mesh level: its uncertainty is estimated from other scenes; two
 
 
 @dataclass(frozen=True)
-class Limits:
+class ErrorLimits:
     """Error limits of a scene: in per cent, or in degrees for contact angles."""
 
     #: Limit of the largest error of a contact load [% of its reference load; of the mean load for loads below a tenth of
     #: it].
-    largest: float = LIMIT
+    largest_load_error: float = LIMIT
     #: Limit of the root mean square error of the loads [% of the mean load]; None: not judged.
-    rms: float | None = None
+    rms_load_error: float | None = None
     #: Limits of other quantities, by name of the quantity (`gate.judged`).
-    others: Mapping[str, float] = field(default_factory=dict)
+    limits_by_quantity: Mapping[str, float] = field(default_factory=dict)
 
 
 def subject_text(scene: str, case: str | None, set_: str | None) -> str:
@@ -236,30 +236,30 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
     return "fail" if abs(error) - uncertainty > limit else "undecided"
 
 
-class ContactError(NamedTuple):
+class JudgedContactError(NamedTuple):
     """Error of the judged load or angle on one contact, with the uncertainty of the reference."""
 
     #: Error [%; deg for contact angles].
     error: float
     #: Uncertainty of the reference on this contact, in the same unit; None: not known.
-    bar: float | None
+    uncertainty: float | None
     #: Number of the ball, from 1.
     ball: int
     #: Flank: SL, SR, NL, NR.
     side: str
 
 
-def decisive_contact(points: Sequence[ContactError], limit: float) -> tuple[Word, ContactError]:
+def decisive_contact(points: Sequence[JudgedContactError], limit: float) -> tuple[Word, JudgedContactError]:
     """Return the worst verdict on any contact, and the contact that determines it.
 
     ``points``: errors of all judged contacts; ``limit``: error limit, in the unit of these errors. The decisive contact is
     the one that exceeds the limit by most; if none exceeds it, the one nearest to the limit.
     """
-    each = [verdict_on_error(p.error, p.bar, limit) for p in points]
+    each = [verdict_on_error(p.error, p.uncertainty, limit) for p in points]
     worst = worst_verdict(each)
     sign = -1.0 if worst == "fail" else 1.0
     gravest = [p for p, kind in zip(points, each, strict=True) if kind == worst]
-    return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.bar or 0.0))
+    return worst, max(gravest, key=lambda p: abs(p.error) + sign * (p.uncertainty or 0.0))
 
 
 def verdict_without_reference(
@@ -275,7 +275,7 @@ def verdict_without_reference(
 
 
 def judge_contact_loads(
-    judged: str, load: Array, reference: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
+    judged: str, load: Array, reference: Reference, limits: ErrorLimits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
     """Judge the contact loads of a model or file against a reference, by their largest error and their RMS error.
 
@@ -302,38 +302,56 @@ def judge_contact_loads(
     """
     chosen = np.array([side in flanks for side in SIDES])
     points = [
-        ContactError(
+        JudgedContactError(
             p.error_percent, abs(p.uncertainty_percent) if np.isfinite(p.uncertainty_percent) else None, p.ball, p.side
         )
-        for p in contact_load_errors(reference.scene, reference, limits.largest, load)
+        for p in contact_load_errors(reference.scene, reference, limits.largest_load_error, load)
         if p.side in flanks
     ]
     if not points:
         return [
             verdict_without_reference(
-                reference, judged, LARGEST, limits.largest, f"the reference has no load on {', '.join(flanks)}"
+                reference, judged, LARGEST, limits.largest_load_error, f"the reference has no load on {', '.join(flanks)}"
             )
         ]
-    reached = loaded_contacts(reference.load)
+    reached = mask_of_loaded_contacts(reference.load)
     contacts = round(reference.contacts * np.count_nonzero(reached[:, chosen]) / np.count_nonzero(reached))
     of_mean = load_error(np.where(chosen, load, 0.0), np.where(chosen, reference.load, 0.0), contacts)
-    kind, at = decisive_contact(points, limits.largest)
+    kind, at = decisive_contact(points, limits.largest_load_error)
     words = "; ".join(filter(None, (detail, reference_notes(reference))))
     shared: dict[str, Any] = {"levels": reference.levels, "contacts": len(points), "detail": words}
-    first = Verdict(reference.scene, judged, LARGEST, kind, at.error, at.bar, limits.largest, at.ball, at.side, **shared)
+    first = Verdict(
+        reference.scene,
+        judged,
+        LARGEST,
+        kind,
+        at.error,
+        at.uncertainty,
+        limits.largest_load_error,
+        at.ball,
+        at.side,
+        **shared,
+    )
     out = [replace(first, of_mean=of_mean, near=_loads_of_neighbouring_balls(load, reference, at))]
-    if limits.rms is not None:
-        error, bar = of_mean.rms_percent, reference.parts.bar
+    if limits.rms_load_error is not None:
+        error, bar = of_mean.rms_percent, reference.parts.uncertainty
         out.append(
             Verdict(
-                reference.scene, judged, RMS, verdict_on_error(error, bar, limits.rms), error, bar, limits.rms, **shared
+                reference.scene,
+                judged,
+                RMS,
+                verdict_on_error(error, bar, limits.rms_load_error),
+                error,
+                bar,
+                limits.rms_load_error,
+                **shared,
             )
         )
     return out
 
 
 def _loads_of_neighbouring_balls(
-    load: Array, reference: Reference, at: ContactError
+    load: Array, reference: Reference, at: JudgedContactError
 ) -> tuple[tuple[int, float, float, float], ...]:
     """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls on either side.
 
@@ -346,7 +364,7 @@ def _loads_of_neighbouring_balls(
 
 def reference_notes(reference: Reference) -> str:
     """Return remarks on a reference as text: its origin, incomplete convergence, a single mesh level; may be empty."""
-    single = ONE_LEVEL if reference.parts.by_experience and not reference.stated else ""
+    single = ONE_LEVEL if reference.parts.is_from_other_scenes and not reference.stated else ""
     return "; ".join(filter(None, (reference.stated, reference.unsettled, single)))
 
 
@@ -377,25 +395,25 @@ def suspected_cause_text(load: Array, reference: Array, flanks: Sequence[str], l
     sides = [SIDES.index(side) for side in flanks]
     given, right = load[:, sides], reference[:, sides]
     mean = mean_load(right)
-    if mean == 0.0 or not given.any() or _largest_error(given, right, mean) <= limit:
+    if mean == 0.0 or not given.any() or _largest_error_percent(given, right, mean) <= limit:
         return ""
     for name, newton in UNITS.items():
         if abs(float(given.sum()) * newton / float(right.sum()) - 1.0) < ALIKE:
             return f"the loads look like {name}: in newtons they are {newton:g} times as large"
-    if _largest_error(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
-        reverse = "in reverse order" if _largest_error(given[::-1], right, mean) <= limit else "in another order"
+    if _largest_error_percent(np.sort(given, axis=0), np.sort(right, axis=0), mean) <= limit:
+        reverse = "in reverse order" if _largest_error_percent(given[::-1], right, mean) <= limit else "in another order"
         return (
             f"the same loads are on other balls, which look numbered {reverse}: add the columns azimuth_deg and z_mm, so "
             "that balls are matched by position"
         )
     swapped = {"SL": "SR", "SR": "SL", "NL": "NR", "NR": "NL"}
     other = reference[:, [SIDES.index(swapped[side]) for side in flanks]]
-    if other.any() and _largest_error(given, other, mean_load(other)) <= limit:
+    if other.any() and _largest_error_percent(given, other, mean_load(other)) <= limit:
         return "the loads look like those of the opposite flanks: check left and right, as seen along +z"
     return ""
 
 
-def _largest_error(given: Array, right: Array, mean: float) -> float:
+def _largest_error_percent(given: Array, right: Array, mean: float) -> float:
     """Return the largest absolute difference of loads (``given``) from reference loads (``right``) [% of ``mean``]."""
     return float(np.abs(error_percent(given, right, mean)).max())
 
@@ -404,18 +422,18 @@ def _largest_error(given: Array, right: Array, mean: float) -> float:
 BY_HERTZ = "reference value computed by Hertz theory from its contact loads and the radii of each contact"
 
 
-class ContactValues(NamedTuple):
+class JudgedContactValues(NamedTuple):
     """Values of every contact that are to be judged: loads and other contact quantities."""
 
     #: Contact loads, (n, 4) [N].
     load: Array
     #: Other contact quantities (n, 4) in SI units, by the columns of `OF_CONTACTS`; nan: not stated.
-    further: Mapping[str, Array]
+    other_quantities: Mapping[str, Array]
     #: Flanks with values.
     flanks: Sequence[str] = SIDES
 
 
-def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> ContactValues:
+def contact_values_by_model(scene: Scene, answer: ContactSolution, limits: Mapping[str, float]) -> JudgedContactValues:
     """Return a model's contact loads, and those of its contact angles, approaches and pressures that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
@@ -427,24 +445,24 @@ def contact_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, fl
     }
     if "pressure" in further and answer.pressure is not None:
         further["pressure"] = answer.pressure
-    return ContactValues(answer.load, further)
+    return JudgedContactValues(answer.load, further)
 
 
-def screw_values_by_model(scene: Scene, answer: Loads, limits: Mapping[str, float]) -> list[GivenValue]:
+def screw_values_by_model(scene: Scene, answer: ContactSolution, limits: Mapping[str, float]) -> list[UserValue]:
     """Return a model's values of the quantities of the whole screw (such as life or rigidity) that have an error limit.
 
     ``answer``: results of the model; ``limits``: error limits by name of the quantity.
     """
     whole, limited = (
-        WholeScrewQuantities(scene),
+        WholeScrewEvaluation(scene),
         [q for q in QUANTITIES.values() if q.name in limits and q not in OF_CONTACTS.values()],
     )
     values = ((q, whole.value_of(q, answer)) for q in limited)
-    return [GivenValue(q, value) for q, value in values if value is not None]
+    return [UserValue(q, value) for q, value in values if value is not None]
 
 
 def judge_contact_quantities(
-    judged: str, given: ContactValues, scene: Scene, ref: Reference, limits: Limits
+    judged: str, given: JudgedContactValues, scene: Scene, ref: Reference, limits: ErrorLimits
 ) -> list[Verdict]:
     """Judge contact angles, approaches and pressures against the reference, each by the contact with the worst error.
 
@@ -452,12 +470,12 @@ def judge_contact_quantities(
     are not stated, and angles that the reference does not have, are left out.
     """
     without = {"angle"} if not np.isfinite(ref.best.angle).any() else set()
-    names = [name for name in OF_CONTACTS if name in given.further.keys() - without]
+    names = [name for name in OF_CONTACTS if name in given.other_quantities.keys() - without]
     return [_judge_contact_quantity(judged, given, name, scene, ref, limits) for name in names]
 
 
 def _judge_contact_quantity(
-    judged: str, given: ContactValues, name: str, scene: Scene, ref: Reference, limits: Limits
+    judged: str, given: JudgedContactValues, name: str, scene: Scene, ref: Reference, limits: ErrorLimits
 ) -> Verdict:
     """Judge one contact quantity (angle, approach or pressure) by the contact with the worst error.
 
@@ -466,12 +484,12 @@ def _judge_contact_quantity(
     contact; for contacts with less than a tenth of the mean load, in per cent of the value at the mean load. Errors of
     angles are in degrees, on contacts that bear load both in the reference and in the judged values.
     """
-    q, value = OF_CONTACTS[name], given.further[name]
-    limit, unit = error_limit_of(q, limits.others, limits.largest), "deg" if q is ANGLE else "%"
+    q, value = OF_CONTACTS[name], given.other_quantities[name]
+    limit, unit = error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error), "deg" if q is ANGLE else "%"
     reference, bars = contact_quantity_of_reference(scene, ref, q)
     chosen = np.array([side in given.flanks for side in SIDES])
     if q is ANGLE:
-        judge = loaded_contacts(ref.load) & loaded_contacts(given.load) & chosen & np.isfinite(reference)
+        judge = mask_of_loaded_contacts(ref.load) & mask_of_loaded_contacts(given.load) & chosen & np.isfinite(reference)
         errors, shares = np.degrees(value - reference), np.degrees(bars)
     else:
         judge = ((ref.load > 0.0) | (value > 0.0)) & chosen
@@ -484,30 +502,32 @@ def _judge_contact_quantity(
             ref, judged, q.name, limit, f"no contact of the flanks {', '.join(given.flanks)} is loaded", unit
         )
     points = [
-        ContactError(float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]])
+        JudgedContactError(
+            float(errors[k]), float(shares[k]) if np.isfinite(shares[k]) else None, int(k[0]) + 1, SIDES[k[1]]
+        )
         for k in zip(*np.nonzero(judge), strict=True)
     ]
     kind, at = decisive_contact(points, limit)
     k = at.ball - 1, SIDES.index(at.side)
-    pair = (q.key, q.factor * float(value[k]), q.factor * float(reference[k]))
+    pair = (q.key, q.display_factor * float(value[k]), q.display_factor * float(reference[k]))
     detail = (
         reference_notes(ref)
         if q is ANGLE or q.name in ref.further
         else "; ".join(filter(None, [BY_HERTZ, reference_notes(ref)]))
     )
     where = (at.ball, at.side, ref.levels, len(points), detail)
-    return Verdict(ref.scene, judged, q.name, kind, at.error, at.bar, limit, *where, unit=unit, pair=pair)
+    return Verdict(ref.scene, judged, q.name, kind, at.error, at.uncertainty, limit, *where, unit=unit, pair=pair)
 
 
-def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Reference, limits: Limits) -> Verdict:
+def judge_given_value(judged: str, given: UserValue, scene: Scene, ref: Reference, limits: ErrorLimits) -> Verdict:
     """Judge a value of the whole screw (such as its life or rigidity) against that of the reference.
 
     ``judged``: name of the model or file that states the value ``given``; ``ref``: the reference. The error is in per cent
     of the reference value.
     """
-    whole, q = WholeScrewQuantities(scene), given.quantity
-    limit = error_limit_of(q, limits.others, limits.largest)
-    reference, bar = whole.reference(q, ref, given.station)
+    whole, q = WholeScrewEvaluation(scene), given.quantity
+    limit = error_limit_of(q, limits.limits_by_quantity, limits.largest_load_error)
+    reference, bar = whole.reference_value_and_uncertainty(q, ref, given.station)
     if not reference:
         return verdict_without_reference(
             ref, judged, given.name, limit, f"no {q.name}: {whole.reason_without_value(q, ref)}"
@@ -515,7 +535,7 @@ def judge_given_value(judged: str, given: GivenValue, scene: Scene, ref: Referen
     error = float(error_percent(given.value, reference))
     share = None if bar is None else float(error_percent(bar, 0.0, reference))
     detail = "; ".join(filter(None, (whole.computation_note(q), reference_notes(ref))))
-    pair = (q.key, q.factor * given.value, q.factor * reference)
+    pair = (q.key, q.display_factor * given.value, q.display_factor * reference)
     kind = verdict_on_error(error, share, limit)
     return Verdict(ref.scene, judged, given.name, kind, error, share, limit, levels=ref.levels, detail=detail, pair=pair)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models import loading
 from rollbench.compare.models.loading import (
@@ -22,48 +22,53 @@ from rollbench.compare.models.loading import (
     Preload,
     assemblies_by_loaded_body,
     load_path_of_assembly,
-    load_path_of_set,
+    load_path_of_scene,
     load_path_warnings,
     preload_from_unloaded,
 )
-from rollbench.compare.models.registry import MODELS, Options, read_condensed_bodies, run_model, scene_key_of_error
+from rollbench.compare.models.registry import MODELS, ModelOptions, read_condensed_bodies, run_model, scene_key_of_error
 from rollbench.lowfi.bearings.tapered_roller import RibContact, rib_contact
 from rollbench.lowfi.bearings.torque import (
     VISCOUS,
-    BallTorque,
+    BallBearingTorque,
     Kind,
-    RollerTorque,
-    ball_torque,
-    roller_torque,
-    viscous_torque,
+    RollerBearingTorque,
+    ball_bearing_torque,
+    load_independent_torque,
+    roller_bearing_torque,
 )
 from rollbench.lowfi.compliance.parts import LADDER, REFINED
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits, shaft_limits
 from rollbench.lowfi.rating.contacts import (
-    Contact,
+    BallContact,
+    EllipseTruncation,
     Ratings,
     RollerContact,
     StaticSafety,
-    Truncation,
     contact_of_highest_pressure,
     dynamic_and_static_ratings,
     most_truncated_ellipse,
     roller_contact_of_highest_pressure,
-    roller_safety,
+    roller_static_safety,
     static_safety,
 )
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
-from rollbench.lowfi.rating.life import Life, basic_rating_life, dynamic_rating
-from rollbench.lowfi.rating.rigidity import Rigidities, axial_force, three_axial_rigidities
+from rollbench.lowfi.rating.life import BasicRatingLife, basic_rating_life, dynamic_rating
+from rollbench.lowfi.rating.rigidity import AxialRigidities, axial_force, three_axial_rigidities
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
-from rollbench.lowfi.statics.tangent import Tangent, tangent_stiffness
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.statics.tangent import TangentStiffness, tangent_stiffness
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import Clearance, distance_of_groove_centres, has_single_arc_grooves, internal_clearance
+from rollbench.meshes.one_arc import (
+    InternalClearance,
+    distance_of_groove_centres,
+    has_single_arc_grooves,
+    internal_clearance,
+)
 from rollbench.meshes.parts import Lubricant, Motion, Scene, Support
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
@@ -71,7 +76,7 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 AT_END = 0.9
 
 
-def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clearance | None:
+def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> InternalClearance | None:
     """Return the clearance of a deep-groove ball bearing row; None for other rows and for rows without play.
 
     Parameters
@@ -90,7 +95,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Clear
     return found if found is not None and found.axial > 0.0 else None
 
 
-def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
+def axial_play_warnings(scene: Scene | Assembly) -> Iterator[ResultWarning]:
     """Yield a warning for each deep-groove bearing row that the supports hold axially near one end of its axial play."""
     shaft = _prescribed_shaft_displacement(scene.supports)
     if shaft is None:
@@ -104,7 +109,7 @@ def axial_play_warnings(scene: Scene | Assembly) -> Iterator[Warned]:
             yield from (w.with_part_name(row.name) for w in _play_warning_of_row(row.parts, shaft - outer))
 
 
-def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
+def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[ResultWarning]:
     """Yield a warning if the supports hold a deep-groove bearing row axially near one end of its axial play.
 
     ``parts``: the row as a scene; ``displacement``: prescribed axial displacement of the inner ring relative to the outer
@@ -116,7 +121,7 @@ def _play_warning_of_row(parts: Scene, displacement: float) -> Iterator[Warned]:
     middle = -distance_of_groove_centres(parts) * sin(parts.track.contact_angle)
     if abs(displacement - middle) < AT_END * 0.5 * clearance.axial:
         return
-    yield Warned(
+    yield ResultWarning(
         "play",
         f"the support fixes uz near one end of the bearing's axial play of {1e6 * clearance.axial:.4g} um, where the "
         f"unloaded balls touch at a contact angle of {degrees(clearance.angle):.3g} deg; the ring can then move radially "
@@ -149,20 +154,20 @@ WIDEST = 0.6
 
 
 @result_record
-class LoadAnswers:
+class ContactLoadResults:
     """Pressure, static safety, rating life and load ratings of a ball nut or ball bearing, from its contact loads.
 
     The contact loads stem from a low-order model or from the 3D reference. Fields are None if no contact carries load.
     """
 
     #: Contact with the highest pressure.
-    worst: Contact | None = quantity_field("worst_contact")
+    worst_contact: BallContact | None = quantity_field("worst_contact")
     #: Static safety of this contact.
     safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact ellipse that comes closest to the edge of its groove.
-    reach: Truncation | None = quantity_field("truncation")
+    truncation: EllipseTruncation | None = quantity_field("truncation")
     #: Basic rating life under the contact loads.
-    life: Life | None = quantity_field("life")
+    life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings | None = quantity_field("ratings")
     words: str = quantity_field(
@@ -174,75 +179,75 @@ class LoadAnswers:
 
 
 @result_record
-class RollerAnswers:
+class RollerLoadResults:
     """Pressure, static safety, rating life and friction torque of a row of rollers, from its line loads.
 
     Fields are None if no roller carries load.
     """
 
     #: Line contact with the highest pressure.
-    worst: RollerContact | None = quantity_field("worst_contact")
+    worst_contact: RollerContact | None = quantity_field("worst_contact")
     #: Static safety of this contact.
     safety: StaticSafety | None = quantity_field("static_safety")
     #: Contact of the most loaded roller with the rib of its ring.
-    rib: RibContact | None = quantity_field("rib_contact")
+    rib_contact: RibContact | None = quantity_field("rib_contact")
     #: Basic rating life under the contact loads.
-    life: Life | None = quantity_field("life")
+    life: BasicRatingLife | None = quantity_field("life")
     #: Dynamic and static load ratings.
     ratings: Ratings = quantity_field("ratings")
     #: Friction torque of the row, while it runs and when it starts.
-    torque: RollerTorque | None = quantity_field("roller_torque")
+    torque: RollerBearingTorque | None = quantity_field("roller_torque")
     reference: iso_lives.ReferenceLife | None = quantity_field("reference_life")
 
 
 @dataclass(frozen=True)
-class Answers:
+class SceneResults:
     """All results of a low-order model for a scene with one nut or bearing row."""
 
     #: Pressure, safety, life and ratings that follow from the contact loads.
-    loads: LoadAnswers
+    load_results: ContactLoadResults
     #: Axial force of the screw on the nut [N].
-    force: float
+    axial_force: float
     #: Displacement of the screw at the nut's centre from its unloaded position, (6,) [m, rad]; from the nominal position if
     #: nothing fixes the unloaded screw.
-    motion: Array
+    screw_displacement: Array
     #: Axial rigidity by several definitions; None without axial force.
-    rigidities: Rigidities | None
+    rigidities: AxialRigidities | None
     #: Tangent stiffness at the nut's centre; None if the model has none.
-    at_nut: Tangent | None
+    tangent_at_nut: TangentStiffness | None
     #: Why no tangent stiffness was found; empty if it was found, or if the model never has one.
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
     preload: Preload | None
     #: External load at which the first preloaded contact opens; None without preload.
-    lift: LiftOff | None
+    lift_off: LiftOff | None
     #: Friction torques and efficiencies as JSON values; None if not computed.
     friction: dict[str, Any] | None
     #: Why friction is not computed; empty if it is.
     friction_words: str
     #: Parts of the loads that each support and the contacts carry; None without loads.
-    path: LoadPath | None = None
+    load_path: LoadPath | None = None
     #: Axial secant stiffness over the scene's load step, by the model of Liu et al. only [N/m].
-    stepped: float | None = None
+    load_step_stiffness: float | None = None
     #: Buckling load, critical speed and DN value of the screw.
-    shaft: ShaftLimits | None = None
+    shaft_limits: ShaftLimits | None = None
     #: Friction torque of a bearing by Palmgren's formulas.
-    torque: BallTorque | None = None
+    bearing_torque: BallBearingTorque | None = None
 
     @property
     def displacement(self) -> float:
         """Axial displacement of the screw at the nut's centre from its unloaded position [m]."""
-        return float(self.motion[2])
+        return float(self.screw_displacement[2])
 
     @property
     def tangent(self) -> float | None:
         """Axial rigidity at the nut's centre from the tangent stiffness [N/m], with rotation about the axis fixed."""
-        return None if self.at_nut is None else self.at_nut.rigidity("uz")
+        return None if self.tangent_at_nut is None else self.tangent_at_nut.rigidity("uz")
 
 
-def rate_contact_loads(
+def results_of_contact_loads(
     scene: Scene, load: Array, angle: Array, member: int = 0, pressure: Array | None = None
-) -> LoadAnswers:
+) -> ContactLoadResults:
     """Compute pressure, static safety, rating life and load ratings from contact loads.
 
     Parameters
@@ -260,13 +265,13 @@ def rate_contact_loads(
 
     Returns
     -------
-    LoadAnswers
+    ContactLoadResults
         Pressure, static safety, rating life and load ratings.
     """
-    drawn = draw_specimen(scene, ball_layout(scene), member)
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene), member)
     words = ""
-    rated_life: Life | None = None
-    reach: Truncation | None = None
+    rated_life: BasicRatingLife | None = None
+    reach: EllipseTruncation | None = None
     rated: Ratings | None = None
     try:
         reach = most_truncated_ellipse(scene, drawn, load, angle)
@@ -277,10 +282,10 @@ def rate_contact_loads(
     worst = contact_of_highest_pressure(scene, drawn, load, angle, pressure)
     safety = None if worst is None else static_safety(scene, drawn, worst)
     modified, basic = modified_life(scene, rated_life), iso_lives.ball_reference_life(scene, rated_life)
-    return LoadAnswers(worst, safety, reach, rated_life, rated, words, modified, basic)
+    return ContactLoadResults(worst, safety, reach, rated_life, rated, words, modified, basic)
 
 
-def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Options) -> Tangent:
+def tangent_stiffness_at(scene: Scene, station: float, model: str, options: ModelOptions) -> TangentStiffness:
     """Compute the 6 x 6 tangent stiffness of a loaded screw at an axial position.
 
     Parameters
@@ -310,17 +315,17 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Opti
         allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
         raise ArgumentError("stiffness_at", f"the model {model}", f"only the models {allowed}", "choose another model")
     condensed = read_condensed_bodies(scene, options) if step == "condensed" else None
-    modelled = MODELS[model].scene(scene)
+    modelled = MODELS[model].scene_with_settings(scene)
     try:
         return tangent_stiffness(
             modelled, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
         )
     except ValueError as error:
         advice = "omit the stiffness; contact loads are computed without it"
-        raise Refusal(scene.name, scene_key_of_error(error), str(error), advice) from error
+        raise SceneNotCoveredError(scene.name, scene_key_of_error(error), str(error), advice) from error
 
 
-def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tuple[Tangent | None, str]:
+def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) -> tuple[TangentStiffness | None, str]:
     """Compute the tangent stiffness of a loaded screw at the nut's centre, if the model can give one.
 
     Parameters
@@ -345,12 +350,12 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: Options) -> tupl
         axial = nut_as_spring_row(scene, member=options.member).stiffness()
         along = np.full((6, 6), np.nan)
         along[2, 2] = np.nan if axial is None else axial
-        return (None, "") if axial is None else (Tangent(scene.nut.position, along, "converged"), "")
+        return (None, "") if axial is None else (TangentStiffness(scene.nut.position, along, "converged"), "")
     if TANGENT_OF.get(model, model) not in (*LADDER, "condensed"):
         return None, ""
     try:
         tangent = tangent_stiffness_at(scene, scene.nut.position, model, options)
-    except Refusal as refused:
+    except SceneNotCoveredError as refused:
         return None, refused.value.partition(";")[0]  # the rest is advice for other results
     return (tangent, "") if tangent.status == "converged" else (None, tangent.status)
 
@@ -370,23 +375,23 @@ def unloaded_axial_displacement(scene: Scene, unloaded: StaticResult) -> float:
     float
         Displacement from the nominal position; zero if no contact fixes the unloaded screw.
     """
-    return float(displacement_without_loads(scene, unloaded)[2])
+    return float(displacement_of_unloaded_screw(scene, unloaded)[2])
 
 
-def displacement_without_loads(scene: Scene, unloaded: StaticResult) -> Array:
+def displacement_of_unloaded_screw(scene: Scene, unloaded: StaticResult) -> Array:
     """Return the displacement of the unloaded screw at the nut's centre from its nominal position, (6,) [m, rad].
 
     ``unloaded``: result of the scene without loads. The displacement is zero if no contact fixes the unloaded screw.
     """
-    return displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
+    return screw_displacement_at_nut(scene, unloaded) if unloaded.converged and (unloaded.load > 0.0).any() else np.zeros(6)
 
 
-def displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
+def screw_displacement_at_nut(scene: Scene, result: StaticResult) -> Array:
     """Return the displacement of the screw at the nut's centre from its nominal position, (6,) [m, rad]."""
     return np.array([np.interp(scene.nut.position, result.centreline_z, u) for u in result.centreline.T])
 
 
-def compute_all_results(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
+def compute_scene_results(scene: Scene, result: StaticResult, model: str, options: ModelOptions) -> SceneResults:
     """Compute all results that follow from a converged solution; preload and lift-off load take further solutions.
 
     Parameters
@@ -405,9 +410,12 @@ def compute_all_results(scene: Scene, result: StaticResult, model: str, options:
     Answers
         Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
-    bare = loading.solve_scaled(scene, 0.0, model, options)
+    bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
     held = preload_from_unloaded(scene, bare) if bare.converged else None
-    force, moved = axial_force(result), displacement_at_nut(scene, result) - displacement_without_loads(scene, bare)
+    force, moved = (
+        axial_force(result),
+        screw_displacement_at_nut(scene, result) - displacement_of_unloaded_screw(scene, bare),
+    )
     try:
         three = three_axial_rigidities(scene, force, float(moved[2]))
     except ValueError:
@@ -415,8 +423,8 @@ def compute_all_results(scene: Scene, result: StaticResult, model: str, options:
     lift = loading.find_lift_off_load(scene, result, bare, model, options) if held is not None else None
     friction, words = friction_without_compiling(scene, result, options)
     tangent, why = tangent_stiffness_at_nut(scene, model, options) if force != 0.0 else (None, "")
-    loads = rate_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
-    path = load_path_of_set(scene, result, bare)
+    loads = results_of_contact_loads(scene, result.load, result.contact_angle, result.member, result.pressure)
+    path = load_path_of_scene(scene, result, bare)
     step, stepped = scene.ingredients.load_step, None
     if model == "liu" and step is not None:
         from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
@@ -425,18 +433,18 @@ def compute_all_results(scene: Scene, result: StaticResult, model: str, options:
     shaft = shaft_limits(scene, result)
     on_ring = np.zeros(3) if result.equilibrium is None else result.equilibrium.contact_force
     torque = bearing_friction_torque(scene, "deep groove", result, on_ring, loads, scene.lubricant, scene.motion)
-    return Answers(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
+    return SceneResults(loads, force, moved, three, tangent, why, held, lift, friction, words, path, stepped, shaft, torque)
 
 
 def bearing_friction_torque(
     parts: Scene,
     thrust: str,
-    balls: StaticResult,
+    ball_result: StaticResult,
     force: Array,
-    loads: LoadAnswers,
+    load_results: ContactLoadResults,
     lubricant: Lubricant | None,
     motion: Motion | None,
-) -> BallTorque | None:
+) -> BallBearingTorque | None:
     """Compute the friction torque of a ball bearing by Palmgren's formulas.
 
     Parameters
@@ -445,21 +453,21 @@ def bearing_friction_torque(
         Row of balls as a scene.
     thrust
         Axial force that a row with one arc per groove can carry: "deep groove" (both directions), or one direction.
-    balls
+    ball_result
         Solution with the contact loads and angles of the row.
     force
         Force (x, y, z) between shaft and row, (3,) [N]; only its radial part is used.
-    loads
+    load_results
         Results from these contact loads, of which the static safety is used.
     lubricant, motion
         Lubricant and speed of the scene; if either is None, only the load-dependent torque is computed.
 
     Returns
     -------
-    BallTorque or None
+    BallBearingTorque or None
         The torque; None for ball-screw nuts and for unloaded rows.
     """
-    if parts.track.lead or loads.safety is None:
+    if parts.track.lead or load_results.safety is None:
         return None
     kind: Kind = (
         "four-point"
@@ -468,19 +476,21 @@ def bearing_friction_torque(
         if thrust == "deep groove"
         else "angular contact"
     )
-    inner, angle = balls.load[:, :2], balls.contact_angle[:, :2]
+    inner, angle = ball_result.load[:, :2], ball_result.contact_angle[:, :2]
     along = float(np.sum(inner * np.sin(np.where(inner > 0.0, angle, 0.0))))
     pitch, viscous = 2.0 * parts.track.pitch_radius, None
     if lubricant is not None and motion is not None:
         ends = VISCOUS[kind][lubricant.supply] if lubricant.factor is None else (lubricant.factor, lubricant.factor)
-        low, high = (viscous_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
+        low, high = (load_independent_torque(f, pitch, lubricant.viscosity, motion.speed) for f in ends)
         viscous = low, high
-    share = 1.0 / loads.safety.factor
+    share = 1.0 / load_results.safety.factor
     radial = float(np.hypot(force[0], force[1]))
-    return ball_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
+    return ball_bearing_torque(kind, parts.track.contact_angle, pitch, (along, radial, share), viscous)
 
 
-def friction_without_compiling(scene: Scene, result: StaticResult, options: Options) -> tuple[dict[str, Any] | None, str]:
+def friction_without_compiling(
+    scene: Scene, result: StaticResult, options: ModelOptions
+) -> tuple[dict[str, Any] | None, str]:
     """Return friction torques and efficiencies of a scene, unless a numerical kernel must first be compiled for them.
 
     Parameters
@@ -501,12 +511,14 @@ def friction_without_compiling(scene: Scene, result: StaticResult, options: Opti
     """
     if scene.friction is None:
         return None, "no coefficient given; rollbench friction takes mu = 0.1"
-    from rollbench.compare.models.friction_sums import cached_friction_sums
+    from rollbench.compare.models.friction_sums import friction_results_if_compiled
 
-    return cached_friction_sums(scene, result, options)
+    return friction_results_if_compiled(scene, result, options)
 
 
-def rate_roller_loads(row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None) -> RollerAnswers:
+def results_of_roller_loads(
+    row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
+) -> RollerLoadResults:
     """Compute pressure, safety, life and friction torque from the line loads of a row of rollers.
 
     Parameters
@@ -522,22 +534,22 @@ def rate_roller_loads(row: RollerRow, line_loads: Array, speed: float | None, lu
 
     Returns
     -------
-    RollerAnswers
+    RollerLoadResults
         Pressure, static safety, rib contact, life, load ratings and friction torque.
     """
     worst = roller_contact_of_highest_pressure(row, line_loads)
-    return RollerAnswers(
+    return RollerLoadResults(
         worst,
-        None if worst is None else roller_safety(worst),
+        None if worst is None else roller_static_safety(worst),
         rib_contact(row, line_loads.mean(axis=1) * row.length),
         roller_life.basic_rating_life_of_row(row, line_loads),
         roller_life.dynamic_and_static_ratings_of_row(row),
-        roller_torque(row, line_loads, speed, lubricant),
+        roller_bearing_torque(row, line_loads, speed, lubricant),
         iso_lives.roller_reference_life(row, line_loads),
     )
 
 
-def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
+def _conformity_warnings(scene: Scene) -> Iterator[ResultWarning]:
     """Yield a warning if the conformity of a groove (its radius over the ball diameter) exceeds `WIDEST`, 0.6.
 
     The user has then probably divided the groove radius by the ball's radius instead of its diameter.
@@ -550,17 +562,19 @@ def _conformity_warnings(scene: Scene) -> Iterator[Warned]:
             "conformity is groove radius over ball diameter, usually 0.51 to 0.58; "
             "if it was computed with the ball's radius, halve it"
         )
-        yield Warned("conformity", f"{brief}: {words}", f"{brief}: {words}")
+        yield ResultWarning("conformity", f"{brief}: {words}", f"{brief}: {words}")
 
 
-def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswers, preload: float) -> Iterator[Warned]:
+def validity_warnings(
+    parts: Scene | RollerRow, load_results: ContactLoadResults | RollerLoadResults, preload: float
+) -> Iterator[ResultWarning]:
     """Yield warnings for results outside the range of validity of the models.
 
     Parameters
     ----------
     parts
         Geometry and materials of the nut or bearing row.
-    loads
+    load_results
         Pressure, static safety and life of the nut or row.
     preload
         Axial preload [N].
@@ -572,27 +586,27 @@ def validity_warnings(parts: Scene | RollerRow, loads: LoadAnswers | RollerAnswe
     """
     if isinstance(parts, Scene):
         yield from _conformity_warnings(parts)
-    if loads.safety is not None and loads.safety.factor < 1.0:
-        factor = f"{loads.safety.factor:.3g}"
+    if load_results.safety is not None and load_results.safety.factor < 1.0:
+        factor = f"{load_results.safety.factor:.3g}"
         words = "the contact leaves a permanent dent in hardened steel, which life and friction do not take into account"
-        yield Warned("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
+        yield ResultWarning("safety", f"static safety of {factor}, below 1: {words}", f"static safety {factor}, below 1")
     if isinstance(parts, RollerRow):
         return
     try:
         C = dynamic_rating(parts)
-    except ValueError:  # the reason is in LoadAnswers.words
+    except ValueError:  # the reason is in ContactLoadResults.words
         return
     if preload > C:
         words = "the preload alone determines the life; catalogues limit it to 8 % of the rating"
         text = f"preload of {preload:.4g} N, above the dynamic load rating of {C:.4g} N: {words}"
-        yield Warned("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")
+        yield ResultWarning("preload", text, f"preload {preload:.4g} N, above C = {C:.4g} N")
 
 
 # --- several nuts or bearing rows on one shaft
 
 
 @dataclass(frozen=True)
-class SetAnswers:
+class NutOrBearingResults:
     """Results that follow from the contact loads of one of several nuts or bearing rows on a shaft."""
 
     #: Name of the nut or row.
@@ -600,36 +614,40 @@ class SetAnswers:
     #: Geometry and materials of the nut or row.
     parts: Scene | RollerRow
     #: Pressure, safety, life and ratings of the nut or row.
-    loads: LoadAnswers | RollerAnswers
+    load_results: ContactLoadResults | RollerLoadResults
     #: Contact loads, and axial force on the shaft, that remain without the scene's loads; None: no equilibrium without
     #: them.
     preload: Preload | None
     #: Friction torque of a loaded ball bearing.
-    torque: BallTorque | None = None
+    friction_torque: BallBearingTorque | None = None
 
 
 @dataclass(frozen=True)
-class AxisAnswers:
+class ShaftResults:
     """Results of a low-order model for a shaft with several nuts or bearing rows."""
 
     #: Results of each nut or row.
-    sets: tuple[SetAnswers, ...]
+    set_results: tuple[NutOrBearingResults, ...]
     #: Sum of the axial loads on shaft and housings [N].
-    force: float
+    axial_load: float
     #: Displacement, from its unloaded position, of the shaft position or housing that the scene's key ``stiffness_at``
     #: names, (6,) [m, rad]; None if the unloaded shaft has no equilibrium.
-    motion: Array | None
+    displacement_at_position: Array | None
     #: Parts of all loads that each support and the contacts carry; None without loads.
-    path: LoadPath | None = None
+    load_path: LoadPath | None = None
     #: The same parts, for the loads on the shaft and on each housing separately: the sum over all loads may hide that the
     #: frame carries the load of one body.
-    paths: tuple[LoadPath, ...] = ()
+    load_paths_by_body: tuple[LoadPath, ...] = ()
 
     @property
-    def sets_by_pressure(self) -> list[int]:
+    def set_indices_by_pressure(self) -> list[int]:
         """Indices (from 0) of the loaded nuts or bearing rows, by decreasing ratio of highest to allowed pressure."""
-        found = [x.loads for x in self.sets]
-        shares = {i: x.worst.pressure / x.safety.allowed for i, x in enumerate(found) if x.worst and x.safety}
+        found = [x.load_results for x in self.set_results]
+        shares = {
+            i: x.worst_contact.pressure / x.safety.allowed_pressure
+            for i, x in enumerate(found)
+            if x.worst_contact and x.safety
+        }
         return sorted(shares, key=lambda i: -shares[i])
 
     @property
@@ -638,15 +656,15 @@ class AxisAnswers:
     )
     def worst_set(self) -> int | None:
         """Number (from 1) of the nut or row with the largest ratio of highest to allowed pressure; None without load."""
-        return next((i + 1 for i in self.sets_by_pressure), None)
+        return next((i + 1 for i in self.set_indices_by_pressure), None)
 
     @property
     def displacement(self) -> float | None:
         """Axial component of `motion` [m]; None if the unloaded shaft has no equilibrium."""
-        return None if self.motion is None else float(self.motion[2])
+        return None if self.displacement_at_position is None else float(self.displacement_at_position[2])
 
 
-def compute_axis_results(assembly: Assembly, result: AxisResult) -> AxisAnswers:
+def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResults:
     """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
 
     The shaft is solved once more without loads, and without the loads of each body if several bodies are loaded.
@@ -660,19 +678,23 @@ def compute_axis_results(assembly: Assembly, result: AxisResult) -> AxisAnswers:
 
     Returns
     -------
-    AxisAnswers
+    ShaftResults
         The results.
     """
-    bare = run_model(loading.scale_loads(assembly, 0.0), result.model, Options(member=result.member))
+    bare = run_model(loading.with_scaled_loads(assembly, 0.0), result.model, ModelOptions(member=result.member))
     unloaded = bare.sets if bare.converged else [None] * len(result.sets)
-    sets = tuple(_results_of_set(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True))
+    sets = tuple(
+        _results_of_nut_or_bearing(assembly, *pair, result.member) for pair in zip(result.sets, unloaded, strict=True)
+    )
     moved = (
-        loading.displacement_at_stated_position(assembly, result) - loading.displacement_at_stated_position(assembly, bare)
+        loading.displacement_at_scene_position(assembly, result) - loading.displacement_at_scene_position(assembly, bare)
         if bare.converged
         else None
     )
     path = load_path_of_assembly(assembly, result, bare)
-    return AxisAnswers(sets, loading.sum_of_axial_loads(assembly), moved, path, _load_paths_by_body(assembly, result, path))
+    return ShaftResults(
+        sets, loading.sum_of_axial_loads(assembly), moved, path, _load_paths_by_body(assembly, result, path)
+    )
 
 
 def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath | None) -> tuple[LoadPath, ...]:
@@ -682,7 +704,7 @@ def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath |
     under all loads; ``path``: how supports and contacts share all loads, returned alone if only one body is loaded. The
     tuple is empty without loads.
     """
-    bodies, options = assemblies_by_loaded_body(assembly), Options(member=result.member)
+    bodies, options = assemblies_by_loaded_body(assembly), ModelOptions(member=result.member)
     if len(bodies) < 2:
         return () if path is None else (path,)
     without = {name: run_model(others, result.model, options) for name, (_, others) in bodies.items()}
@@ -690,7 +712,7 @@ def _load_paths_by_body(assembly: Assembly, result: AxisResult, path: LoadPath |
     return tuple(x for x in found if x is not None)
 
 
-def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, AxisAnswers | None]:
+def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0) -> tuple[AxisResult, ShaftResults | None]:
     """Solve a shaft with several nuts or bearing rows, and compute all results and warnings.
 
     Parameters
@@ -706,7 +728,7 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
     -------
     AxisResult
         The solution, with its warnings.
-    AxisAnswers or None
+    ShaftResults or None
         Results that follow from the solution; None without equilibrium.
 
     Raises
@@ -714,38 +736,45 @@ def solve_assembly_with_results(assembly: Assembly, model: str, member: int = 0)
     InputError
         If the model does not cover the assembly.
     """
-    result = run_model(assembly, model, Options(member=member))
+    result = run_model(assembly, model, ModelOptions(member=member))
     if not result.converged:
         return result, None
-    answers = compute_axis_results(assembly, result)
+    answers = compute_shaft_results(assembly, result)
     warned = (
         w.with_part_name(x.name)
-        for x in answers.sets
-        for w in validity_warnings(x.parts, x.loads, loading.absolute_axial_preload(x.preload))
+        for x in answers.set_results
+        for w in validity_warnings(x.parts, x.load_results, loading.absolute_axial_preload(x.preload))
     )
-    held = (w for path in answers.paths for w in load_path_warnings(path))
+    held = (w for path in answers.load_paths_by_body for w in load_path_warnings(path))
     further = (*warned, *held, *axial_play_warnings(assembly))
     return replace(result, warnings=(*result.warnings, *further)), answers
 
 
-def _results_of_set(assembly: Assembly, s: SetResult, bare: SetResult | None, member: int) -> SetAnswers:
+def _results_of_nut_or_bearing(
+    assembly: Assembly, set_result: SetResult, unloaded_result: SetResult | None, member: int
+) -> NutOrBearingResults:
     """Return pressure, safety, life, preload and friction torque of one nut or bearing row on a shaft.
 
-    ``s``: solution of the row under the scene's loads; ``bare``: solution of the row without these loads; None if the
-    unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors, from 0.
+    ``set_result``: solution of the row under the scene's loads; ``unloaded_result``: solution of the row without these
+    loads; None if the unloaded shaft has no equilibrium; ``member``: number of the random draw of the geometric errors,
+    from 0.
     """
-    parts, torque = s.of.parts, None
+    parts, torque = set_result.of.parts, None
     if isinstance(parts, RollerRow):
-        assert s.line_loads is not None, "a row of rollers has line loads"
+        assert set_result.line_loads is not None, "a row of rollers has line loads"
         speed = assembly.motion.speed if assembly.motion is not None and assembly.motion.turns == "screw" else None
-        answers: LoadAnswers | RollerAnswers = rate_roller_loads(parts, s.line_loads, speed, assembly.lubricant)
+        answers: ContactLoadResults | RollerLoadResults = results_of_roller_loads(
+            parts, set_result.line_loads, speed, assembly.lubricant
+        )
     else:
-        assert s.balls is not None, "a set of balls has contacts"
-        answers = rate_contact_loads(parts, s.balls.load, s.balls.contact_angle, member)
-        torque = bearing_friction_torque(parts, s.of.thrust, s.balls, s.force, answers, assembly.lubricant, assembly.motion)
-    if bare is None:
-        return SetAnswers(s.of.name, parts, answers, None, torque)
-    loads = bare.loads[bare.loads > 0.0]
+        assert set_result.balls is not None, "a set of balls has contacts"
+        answers = results_of_contact_loads(parts, set_result.balls.load, set_result.balls.contact_angle, member)
+        torque = bearing_friction_torque(
+            parts, set_result.of.thrust, set_result.balls, set_result.force, answers, assembly.lubricant, assembly.motion
+        )
+    if unloaded_result is None:
+        return NutOrBearingResults(set_result.of.name, parts, answers, None, torque)
+    loads = unloaded_result.loads[unloaded_result.loads > 0.0]
     mean = mean_load(loads) if loads.size else 0.0
-    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(bare.force[2]))
-    return SetAnswers(s.of.name, parts, answers, preload, torque)
+    preload = Preload(mean, float(loads.max(initial=0.0)), int(loads.size), float(unloaded_result.force[2]))
+    return NutOrBearingResults(set_result.of.name, parts, answers, preload, torque)

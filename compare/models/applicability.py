@@ -35,22 +35,22 @@ class Descriptor:
     #: Distance outside the range of the compared scenes that still counts as similar [unit].
     margin: float
     #: Function that computes the value of a scene [unit].
-    value: Callable[[Scene], float]
+    value_of_scene: Callable[[Scene], float]
 
 
-def _largest_lateral_displacement(scene: Scene) -> float:
+def _lateral_misalignment_of_supports(scene: Scene) -> float:
     """Return the misalignment of the supports: largest difference of their prescribed lateral displacements [um]."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
     across, up = (max(v) - min(v) for v in given.values())
     return 1e6 * float(np.hypot(across, up))
 
 
-def _relative_oversize(scene: Scene) -> float:
+def _ball_oversize_over_diameter(scene: Scene) -> float:
     """Return the oversize of the ball radius over the ball diameter, which measures the preload of a scene [1e-3]."""
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
-def _nut_length_beyond_balls(scene: Scene) -> float:
+def _nut_overhang_in_ball_radii(scene: Scene) -> float:
     """Return the distance from the outermost ball centre to the nearer face of the nut, over the ball radius; at most 4.
 
     Near the face only a thin lip supports the flank (`lowfi.compliance.faces`), and few such scenes were compared.
@@ -80,15 +80,15 @@ DESCRIPTORS = (
     Descriptor("lead over the pitch diameter", "", 0.25, lambda s: s.track.lead / (2.0 * s.track.pitch_radius)),
     Descriptor("ball over the pitch diameter", "", 0.06, lambda s: s.balls.radius / s.track.pitch_radius),
     Descriptor("number of balls", "", 60.0, lambda s: float(s.ball_count)),
-    Descriptor("oversize over the ball's diameter", "1e-3", 1.0, _relative_oversize),
+    Descriptor("oversize over the ball's diameter", "1e-3", 1.0, _ball_oversize_over_diameter),
     Descriptor(
         "conformity, the tighter groove",
         "",
         0.02,
         lambda s: min(s.screw.groove_radius, s.nut.groove_radius) / (2.0 * s.balls.radius),
     ),
-    Descriptor("misalignment of the supports", "um", 300.0, _largest_lateral_displacement),
-    Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_length_beyond_balls),
+    Descriptor("misalignment of the supports", "um", 300.0, _lateral_misalignment_of_supports),
+    Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _nut_overhang_in_ball_radii),
     Descriptor(
         "Young's modulus of the nut over the screw's",
         "",
@@ -106,7 +106,7 @@ DESCRIPTORS = (
 
 
 @dataclass(frozen=True)
-class DescriptorInRange:
+class DescriptorWithRange:
     """Value of one descriptor of a scene (such as lead over pitch diameter), and its range over the compared scenes.
 
     Compared scenes are those whose results were compared with the 3D reference.
@@ -128,7 +128,7 @@ class DescriptorInRange:
         return not self.low - d <= self.value <= self.high + d
 
     @property
-    def text(self) -> str:
+    def range_sentence(self) -> str:
         """Sentence that states the scene's value of the descriptor and the range of the compared scenes."""
         unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
         compared = f"{self.low:.4g} to {self.high:.4g}{unit}"
@@ -136,11 +136,11 @@ class DescriptorInRange:
 
 
 @cache
-def compared_scenes(*, ring: bool) -> tuple[Scene, ...]:
-    """Return the built-in scenes that were compared with the 3D reference: bearings if ``ring``, else screws."""
-    names = (*catalogue.names_with_role("referenced"), *catalogue.names_with_role("unseen"))
+def compared_scenes(*, of_bearings: bool) -> tuple[Scene, ...]:
+    """Return the built-in scenes that were compared with the 3D reference: bearings if ``of_bearings``, else screws."""
+    names = (*catalogue.names_of_scenes_with_role("referenced"), *catalogue.names_of_scenes_with_role("unseen"))
     scenes = (catalogue.scene(name) for name in names)
-    return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
+    return tuple(s for s in scenes if (s.track.lead == 0.0) == of_bearings)
 
 
 #: File with the random screws that were compared (by `rollbench stability`), in a folder of 3D reference runs.
@@ -151,76 +151,79 @@ KNOWN_SCREWS = 240
 
 
 @cache
-def records_of_drawn_screws() -> tuple[dict[str, Any], ...]:
+def survey_records_of_random_screws() -> tuple[dict[str, Any], ...]:
     """Read how models compare with the 3D reference on the first `KNOWN_SCREWS` randomly drawn screws, as JSON records.
 
     The tuple is empty if the file with the records cannot be used.
     """
     try:
-        scenes = json.loads(files.text(f"references/{SURVEY}"))["scenes"]
+        scenes = json.loads(files.shipped_text(f"references/{SURVEY}"))["scenes"]
         return tuple(row for row in scenes if row["number"] < KNOWN_SCREWS and row.get("points"))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
 
 @cache
-def descriptors_of_drawn_screws() -> tuple[dict[str, float], ...]:
+def descriptors_of_random_screws() -> tuple[dict[str, float], ...]:
     """Return the values of all descriptors, by name, for each of the first `KNOWN_SCREWS` randomly drawn screws."""
-    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in records_of_drawn_screws())
+    return tuple({d.name: float(row["places"][d.name]) for d in DESCRIPTORS} for row in survey_records_of_random_screws())
 
 
 #: File with the descriptors of the compared built-in scenes, stored because reading all scenes would take longer.
 PLACES = "places.json"
 
 
-def save_descriptors(store: Path) -> None:
-    """Write the descriptors of all compared built-in screws and bearings to the file `PLACES` in the folder ``store``.
+def save_descriptors_of_built_in_scenes(folder: Path) -> None:
+    """Write the descriptors of all compared built-in screws and bearings to the file `PLACES` in the folder ``folder``.
 
     The folder holds runs of the 3D reference.
     """
     from rollbench.compare.files import replace_file
 
     by_kind = {
-        kind: {s.name: {d.name: d.value(s) for d in DESCRIPTORS} for s in compared_scenes(ring=kind == "rings")}
+        kind: {s.name: {d.name: d.value_of_scene(s) for d in DESCRIPTORS} for s in compared_scenes(ring=kind == "rings")}
         for kind in ("rings", "screws")
     }
-    replace_file(store / PLACES, json.dumps(by_kind, indent=1) + "\n")
+    replace_file(folder / PLACES, json.dumps(by_kind, indent=1) + "\n")
 
 
 @cache
-def descriptors_of_shipped_scenes(*, ring: bool) -> tuple[dict[str, float], ...]:
-    """Read the stored descriptor values of each compared built-in bearing if ``ring``, else of each compared screw.
+def descriptors_of_built_in_scenes(*, of_bearings: bool) -> tuple[dict[str, float], ...]:
+    """Read the stored descriptor values of each compared built-in bearing if ``of_bearings``, else of each compared screw.
 
     Empty if the file `PLACES` is missing or damaged.
     """
     try:
-        rows = json.loads(files.text(f"references/{PLACES}"))["rings" if ring else "screws"].values()
+        rows = json.loads(files.shipped_text(f"references/{PLACES}"))["rings" if of_bearings else "screws"].values()
         return tuple({d.name: float(place[d.name]) for d in DESCRIPTORS} for place in rows)
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return ()
 
 
-def descriptor_values_of_compared(descriptor: Descriptor, *, ring: bool) -> list[float]:
-    """Return the values of a descriptor for all compared bearings if ``ring``, else for all compared screws."""
+def descriptor_values_of_compared_scenes(descriptor: Descriptor, *, of_bearings: bool) -> list[float]:
+    """Return the values of a descriptor for all compared bearings if ``of_bearings``, else for all compared screws."""
     return [
         place[descriptor.name]
-        for place in (*descriptors_of_shipped_scenes(ring=ring), *(() if ring else descriptors_of_drawn_screws()))
+        for place in (
+            *descriptors_of_built_in_scenes(ring=of_bearings),
+            *(() if of_bearings else descriptors_of_random_screws()),
+        )
     ]
 
 
-def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[DescriptorInRange, ...]:
+def descriptors_with_ranges(scene: Scene, compared: Sequence[Scene] | None = None) -> tuple[DescriptorWithRange, ...]:
     """Return each descriptor of a scene with its range over the compared scenes of the same kind (screws or bearings).
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
-    among
+    compared
         Compared scenes; None: all compared built-in scenes and random screws.
 
     Returns
     -------
-    tuple of DescriptorInRange
+    tuple of DescriptorWithRange
         Value and range of each descriptor; empty if no scene of its kind was compared.
 
     Raises
@@ -231,9 +234,13 @@ def descriptors_with_ranges(scene: Scene, among: Sequence[Scene] | None = None) 
     ring = scene.track.lead == 0.0
     out = []
     for d in DESCRIPTORS:
-        values = descriptor_values_of_compared(d, ring=ring) if among is None else [d.value(s) for s in among]
+        values = (
+            descriptor_values_of_compared_scenes(d, of_bearings=ring)
+            if compared is None
+            else [d.value_of_scene(s) for s in compared]
+        )
         if values:
-            out.append(DescriptorInRange(d, d.value(scene), min(values), max(values)))
+            out.append(DescriptorWithRange(d, d.value_of_scene(scene), min(values), max(values)))
     return tuple(out)
 
 
@@ -256,6 +263,6 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     ValueError
         If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
-    if not descriptors_of_shipped_scenes(ring=scene.track.lead == 0.0):
+    if not descriptors_of_built_in_scenes(ring=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known, because references/{PLACES} is missing or damaged",)
-    return tuple(place.text for place in descriptors_with_ranges(scene) if place.outside)
+    return tuple(place.range_sentence for place in descriptors_with_ranges(scene) if place.outside)

@@ -18,16 +18,16 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.errors import InputError
-from rollbench.compare.measure import error_percent, load_error, scale_of_gate_errors
-from rollbench.compare.models.loading import scale_loads
-from rollbench.compare.models.registry import MODELS, Model, Options, find_model, run_model
+from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
+from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.registry import MODELS, Model, ModelOptions, model_by_name, run_model
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.convergence import pooled_grid_uncertainty
 from rollbench.compare.reference.estimate import FITTED, Reference, largest_uncertainty_percent, reference_from_runs
 from rollbench.compare.reference.levels import LEVELS
-from rollbench.compare.reference.store import Run, load_run, measuring_conditions, path_of_bodies, shipped_store
+from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, path_of_bodies, shipped_store
 from rollbench.compare.reference.tasks import Solvable, ball_slices_by_set
-from rollbench.compare.scenes.catalogue import names_with_role
+from rollbench.compare.scenes.catalogue import names_of_scenes_with_role
 from rollbench.lowfi.statics.nominal import nominal_contacts, nominal_scene
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -35,9 +35,9 @@ from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Load, Scene
 
 #: Names of the scenes whose runs of the 3D reference are included with rollbench.
-REFERENCED = names_with_role("referenced")
+REFERENCED = names_of_scenes_with_role("referenced")
 
-#: Definition of the error that is compared with the limit (`measure.scale_of_gate_errors`), as text.
+#: Definition of the error that is compared with the limit (`measure.load_scale_of_check_errors`), as text.
 RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
 
 #: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and of its printed load ratio; empty: none.
@@ -47,7 +47,7 @@ PRINTED = {
 }
 
 
-def suitable_models(scene: Scene | Assembly) -> list[Model]:
+def models_shown_for_scene(scene: Scene | Assembly) -> list[Model]:
     """Return the models that ``rollbench compare`` shows by default and that cover a scene.
 
     Parameters
@@ -60,7 +60,9 @@ def suitable_models(scene: Scene | Assembly) -> list[Model]:
     list of Model
         The models.
     """
-    fits = [m.suits(scene) if isinstance(scene, Scene) else callable(m.assembly) for m in MODELS.values()]
+    fits = [
+        m.covers_scene(scene) if isinstance(scene, Scene) else callable(m.solve_assembly_or_reason) for m in MODELS.values()
+    ]
     return [m for m, fit in zip(MODELS.values(), fits, strict=True) if m.compared and fit]
 
 
@@ -84,7 +86,7 @@ def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Mod
     ArgumentError
         If there is no model with one of the names.
     """
-    return [find_model(name, argument) for name in names]
+    return [model_by_name(name, argument) for name in names]
 
 
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
@@ -104,7 +106,7 @@ def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequenc
 
 def comparison_options(
     model: Model, scene: Scene, reference: Reference, stores: Sequence[Path] | None, engine: str = "auto"
-) -> Options:
+) -> ModelOptions:
     """Return the options with which a low-order model is solved for its comparison with the 3D reference.
 
     The model "condensed" gets the stiffness of screw and nut by the finest run of the reference.
@@ -133,13 +135,13 @@ def comparison_options(
         If the model is "condensed" and no folder has that stiffness.
     """
     if model.name != "condensed":
-        return Options(discretisation=False, engine=engine)
+        return ModelOptions(estimate_beam_mesh_error=False, engine=engine)
     path = path_of_condensed_bodies(scene, reference, stores)
     if path is None:
         allowed = f"only with stored condensed bodies of the 3D reference at mesh level {reference.best.level}"
         advice = "run mesh-study with `fresh=True`, which computes and stores them"
         raise InputError(scene.name, "model", '"condensed"', allowed, advice)
-    return Options(discretisation=False, engine=engine, condensed=path)
+    return ModelOptions(estimate_beam_mesh_error=False, engine=engine, condensed_bodies_file=path)
 
 
 @dataclass(frozen=True)
@@ -178,12 +180,12 @@ class ComparisonRow:
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 
-#: Function that returns a row of a comparison: `_comparison_row`, of which the first two arguments are already given.
+#: Function that returns a row of a comparison: `_row_of_quantity`, of which the first two arguments are already given.
 RowOf = Callable[..., ComparisonRow]
 
 
 @dataclass(frozen=True)
-class Loads:
+class ContactSolution:
     """Contact loads, contact angles and displacements of a scene, by a low-order model or by a run of the 3D reference."""
 
     #: Name of the model or of the 3D run.
@@ -204,7 +206,7 @@ class Loads:
     pressure: Array | None = None
 
 
-def loads_from_result(result: StaticResult, seconds: float | None = None) -> Loads:
+def solution_from_result(result: StaticResult, seconds: float | None = None) -> ContactSolution:
     """Return the contact loads and displacements of a low-order model's result in the form used for comparisons.
 
     Parameters
@@ -221,7 +223,7 @@ def loads_from_result(result: StaticResult, seconds: float | None = None) -> Loa
     """
     line = result.centreline[:, :3]
     angle = np.degrees(result.contact_angle)
-    return Loads(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
+    return ContactSolution(result.model, result.load, angle, result.centreline_z, line, seconds, pressure=result.pressure)
 
 
 def solve_and_time(
@@ -260,7 +262,7 @@ def solve_and_time(
     return result, perf_counter() - start
 
 
-def loads_from_run(run: Run, name: str) -> Loads:
+def solution_from_run(run: Run, name: str) -> ContactSolution:
     """Return the contact loads and displacements of a stored 3D run in the form used for comparisons.
 
     The computing time includes meshing all parts and condensing their stiffness.
@@ -278,10 +280,12 @@ def loads_from_run(run: Run, name: str) -> Loads:
         Loads, angles in degrees, and displacements of the screw's axis.
     """
     line, measured = run.centreline, "" if run.measured == measuring_conditions() else str(run.measured)
-    return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured)
+    return ContactSolution(
+        name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds, measured
+    )
 
 
-def loads_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -> list[Loads]:
+def solutions_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -> list[ContactSolution]:
     """Return the contact loads and displacements of every run of the 3D reference, from the coarsest mesh to the finest.
 
     ``source_mesh_run``: run on the mesh of Lin's thesis, which comes first; None if there is none. The list is empty for a
@@ -289,22 +293,22 @@ def loads_of_reference_runs(reference: Reference, source_mesh_run: Run | None) -
     """
     if reference.stated:
         return []
-    out = [loads_from_run(run, f"3D level {run.level}") for run in reference.runs]
+    out = [solution_from_run(run, f"3D level {run.level}") for run in reference.runs]
     if source_mesh_run is not None:
-        out.insert(0, loads_from_run(source_mesh_run, "3D source mesh"))
+        out.insert(0, solution_from_run(source_mesh_run, "3D source mesh"))
     return out
 
 
-def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[ComparisonRow]:
+def comparison_rows(scene: Scene, solution: ContactSolution, reference: Reference) -> list[ComparisonRow]:
     """Compare a model's results with the 3D reference: loads, contact angles, displacements, load ratio, errors.
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
-    answer
+    solution
         Loads and displacements by a model or a run of the 3D reference.
-    ref
+    reference
         3D reference of the scene.
 
     Returns
@@ -312,33 +316,40 @@ def comparison_rows(scene: Scene, answer: Loads, ref: Reference) -> list[Compari
     list of ComparisonRow
         A row for each quantity.
     """
-    row = partial(_comparison_row, scene, answer)
-    return [*_contact_rows(row, answer, ref), *_centreline_rows(row, answer, ref), *_summary_rows(row, scene, answer, ref)]
+    row = partial(_row_of_quantity, scene, solution)
+    return [
+        *_contact_comparison_rows(row, solution, reference),
+        *_axis_displacement_rows(row, solution, reference),
+        *_error_and_ratio_rows(row, scene, solution, reference),
+    ]
 
 
-def _comparison_row(
+def _row_of_quantity(
     scene: Scene,
-    answer: Loads,
+    solution: ContactSolution,
     quantity: str,
     unit: str,
-    pair: tuple[float, float],
-    error: float | None,
-    percent: float | None,
-    at: tuple[int | None, str | None] = (None, None),
+    model_and_reference_values: tuple[float, float],
+    reference_uncertainty: float | None,
+    model_error_percent: float | None,
+    ball_and_flank: tuple[int | None, str | None] = (None, None),
     printed: float | None = None,
 ) -> ComparisonRow:
     """Return the row that compares one quantity by a model with its value by the 3D reference.
 
-    ``answer``: results of the model; ``quantity``: name of the quantity; ``pair``: its values by model and reference in
-    ``unit``; ``error``: uncertainty of the reference in this unit; ``percent``: error of the model [%]; ``at``: number of
-    the ball and name of its flank, both None for a quantity of the whole screw; ``printed``: value that the scene's
-    publication prints; None: none.
+    ``solution``: results of the model; ``quantity``: name of the quantity; ``model_and_reference_values``: its values by
+    model and reference in ``unit``; ``reference_uncertainty``: uncertainty of the reference in this unit;
+    ``model_error_percent``: error of the model [%]; ``ball_and_flank``: number of the ball and name of its flank, both None
+    for a quantity of the whole screw; ``printed``: value that the scene's publication prints; None: none.
     """
-    values, time = (*pair, error, percent, answer.seconds), answer.measured
-    return ComparisonRow(scene.name, quantity, *at, unit, printed, answer.model, *values, measured_with=time)
+    values, time = (
+        (*model_and_reference_values, reference_uncertainty, model_error_percent, solution.seconds),
+        solution.measured,
+    )
+    return ComparisonRow(scene.name, quantity, *ball_and_flank, unit, printed, solution.model, *values, measured_with=time)
 
 
-def grid_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], Array]) -> Array:
+def mesh_uncertainties(reference: Reference, quantities_of_run: Callable[[Run], Array]) -> Array:
     """Return the uncertainty due to the mesh of similar quantities of a 3D reference, such as all its contact angles.
 
     All of them are assumed to converge with the same order.
@@ -368,54 +379,56 @@ def _finite_or_none(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _contact_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+def _contact_comparison_rows(make_row: RowOf, solution: ContactSolution, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield the rows that compare load and contact angle of each contact that carries load by the model or the reference.
 
-    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model.
+    ``make_row``: function that returns a row from quantity, values and errors; ``solution``: results of the model.
     """
-    best, turns = reference.best, grid_uncertainties(reference, lambda run: run.angle)
-    for i, s in np.ndindex(answer.load.shape):
-        value, ref = float(answer.load[i, s]), float(reference.load[i, s])
+    best, turns = reference.best, mesh_uncertainties(reference, lambda run: run.angle)
+    for i, s in np.ndindex(solution.load.shape):
+        value, ref = float(solution.load[i, s]), float(reference.load[i, s])
         if value == 0.0 and ref == 0.0:
             continue
         bar = float(reference.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
-        yield row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
+        yield make_row("load", "N", (value, ref), bar, percent, (i + 1, SIDES[s]))
         if value > 0.0 and ref > 0.0:
-            angle, ref_angle = float(answer.angle[i, s]), float(best.angle[i, s])
+            angle, ref_angle = float(solution.angle[i, s]), float(best.angle[i, s])
             error, off = _finite_or_none(float(turns[i, s])), float(error_percent(angle, ref_angle))
-            yield row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
+            yield make_row("contact angle", "deg", (angle, ref_angle), error, off, (i + 1, SIDES[s]))
 
 
-def _centreline_rows(row: RowOf, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+def _axis_displacement_rows(make_row: RowOf, solution: ContactSolution, reference: Reference) -> Iterator[ComparisonRow]:
     """Yield the rows that compare the displacement of the screw's axis at the axial positions where the reference gives it.
 
-    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model. Errors are in
-    per cent of the largest displacement in the same direction. There are no rows if the model gives the displacement at one
-    position only and the reference at several.
+    ``make_row``: function that returns a row from quantity, values and errors; ``solution``: results of the model. Errors
+    are in per cent of the largest displacement in the same direction. There are no rows if the model gives the displacement
+    at one position only and the reference at several.
     """
     line = reference.best.centreline
-    if answer.stations.size < min(2, len(line)):
+    if solution.stations.size < min(2, len(line)):
         return
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
-        values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        bars = grid_uncertainties(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        values = np.interp(line[:, 0], solution.stations, solution.line[:, k])
+        bars = mesh_uncertainties(reference, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             name, off = f"centreline u{axis} at {1e3 * z:.4g} mm", float(error_percent(value, ref, largest))
-            yield row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _finite_or_none(bar), off)
+            yield make_row(name, "um", (1e6 * float(value), 1e6 * float(ref)), _finite_or_none(bar), off)
 
 
-def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference) -> Iterator[ComparisonRow]:
+def _error_and_ratio_rows(
+    make_row: RowOf, scene: Scene, solution: ContactSolution, reference: Reference
+) -> Iterator[ComparisonRow]:
     """Yield the rows with largest error, RMS error and load ratio of a model, with values printed in Lin's thesis.
 
-    ``row``: function that returns a row from quantity, values and errors; ``answer``: results of the model.
+    ``make_row``: function that returns a row from quantity, values and errors; ``solution``: results of the model.
     """
-    e = load_error(answer.load, reference.load, reference.contacts)
+    e = load_error(solution.load, reference.load, reference.contacts)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
-        return printed_entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
+        return printed_entry("lin-2.4.1", key).value if key and solution.model.startswith("lin") else None
 
     loaded = reference.load > 0.0
     bar = largest_uncertainty_percent(reference)
@@ -426,11 +439,11 @@ def _summary_rows(row: RowOf, scene: Scene, answer: Loads, reference: Reference)
         ("largest error, of the own load", e.own_max_percent, own_bar, keys[0]),
         ("RMS error, of the own load", e.own_rms_percent, own_bar, keys[1]),
     ):
-        yield row(name, "%", (value, 0.0), uncertain, value, printed=printed(key))
-    ratio, ref_ratio = load_ratio(answer.load), load_ratio(reference.load)
+        yield make_row(name, "%", (value, 0.0), uncertain, value, printed=printed(key))
+    ratio, ref_ratio = load_ratio(solution.load), load_ratio(reference.load)
     off = float(error_percent(ratio, ref_ratio)) if np.isfinite([ratio, ref_ratio]).all() else None
     name = "largest over smallest load, SL"
-    yield row(name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=printed(keys[2]))
+    yield make_row(name, "", (ratio, ref_ratio), load_ratio_uncertainty(reference), off, printed=printed(keys[2]))
 
 
 def load_ratio(load: Array) -> float:
@@ -456,7 +469,7 @@ def load_ratio_uncertainty(reference: Reference) -> float | None:
 
 
 @dataclass(frozen=True)
-class Exceedance:
+class KnownExceedance:
     """Contact of a built-in scene where the load by the model "lin" has a known error above the limit, with the cause."""
 
     #: Name of the scene.
@@ -469,13 +482,13 @@ class Exceedance:
     cause: str
 
 
-def known_exceedances() -> list[Exceedance]:
+def known_exceedances() -> list[KnownExceedance]:
     """Read from a built-in file the contacts on which the load by the model "lin" has a known error above the limit."""
-    return [Exceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
+    return [KnownExceedance(**row) for row in files.read_shipped_toml("references/known_exceedances.toml").get("row", [])]
 
 
 @dataclass(frozen=True)
-class GatePoint:
+class ContactLoadError:
     """Error of one contact load by a model against the 3D reference, and whether it exceeds the error limit."""
 
     #: Name of the scene.
@@ -492,7 +505,7 @@ class GatePoint:
     exceeds: bool
 
 
-def contact_load_errors(name: str, reference: Reference, max_error: float, load: Array) -> list[GatePoint]:
+def contact_load_errors(name: str, reference: Reference, max_error: float, load: Array) -> list[ContactLoadError]:
     """Return the error of each contact load by a model against the reference, and whether it exceeds the error limit.
 
     Contacts that are unloaded both by the model and in the reference are omitted.
@@ -510,77 +523,77 @@ def contact_load_errors(name: str, reference: Reference, max_error: float, load:
 
     Returns
     -------
-    list of GatePoint
+    list of ContactLoadError
         Error of each contact that carries load by the model or in the reference.
     """
-    scales = scale_of_gate_errors(reference.load, reference.mean)
+    scales = load_scale_of_check_errors(reference.load, reference.mean)
     points = []
     for i, s in zip(*np.nonzero((reference.load > 0.0) | (load > 0.0)), strict=True):
         scale = float(scales[i, s])
         error = float(error_percent(load[i, s], reference.load[i, s], scale))
         bar = float(error_percent(reference.uncertainty[i, s], 0.0, scale))
-        points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
+        points.append(ContactLoadError(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points
 
 
 @dataclass(frozen=True)
-class SetOfAssembly:
+class NutOrBearingOnShaft:
     """One of several nuts or bearing rows on a shaft."""
 
     #: Shaft with all nuts or bearings.
     assembly: Assembly
     #: Number of this nut or bearing on the shaft, from 0.
-    number: int
+    index: int
 
     @property
     def name(self) -> str:
         """Name of the nut or bearing."""
-        return self.assembly.sets[self.number].name
+        return self.assembly.sets[self.index].name
 
     @property
     def scene(self) -> Scene:
         """Nut or bearing row as a separate scene, named after assembly and nut or row; ValueError for a row of rollers."""
-        parts = self.assembly.sets[self.number].parts
+        parts = self.assembly.sets[self.index].parts
         if not isinstance(parts, Scene):
             raise ValueError(f"{self.name} has rollers instead of balls")
         return replace(parts, name=re.sub(r"[^\w.-]+", "-", f"{self.assembly.name}-{self.name}"))
 
     @property
-    def contacts(self) -> int:
+    def loaded_contact_count(self) -> int:
         """Number of contacts of the nut or bearing that carry load without geometric errors, but with its preload."""
-        return _loaded_contact_counts(self.assembly)[self.number]
+        return _loaded_contact_counts(self.assembly)[self.index]
 
 
 @dataclass(frozen=True)
-class Referenced:
+class SceneWithReference:
     """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference, or that given by a user."""
 
     #: Nut or bearing as a separate scene.
     scene: Scene
     #: Reference of the nut or bearing.
-    found: Reference
+    reference: Reference
     #: The nut or bearing as one of several on its shaft; None for a scene with a single one.
-    of: SetOfAssembly | None = None
+    place_on_shaft: NutOrBearingOnShaft | None = None
 
     @property
-    def described(self) -> str:
+    def described_scene_name(self) -> str:
         """Name of the scene that the user described: the assembly's name if the shaft has several nuts or bearings."""
-        return self.scene.name if self.of is None else self.of.assembly.name
+        return self.scene.name if self.place_on_shaft is None else self.place_on_shaft.assembly.name
 
     @property
-    def set(self) -> str:
+    def set_name(self) -> str:
         """Name of the nut or bearing on its shaft; empty if the scene has a single one."""
-        return "" if self.of is None else self.of.name
+        return "" if self.place_on_shaft is None else self.place_on_shaft.name
 
 
 @dataclass(frozen=True)
-class SetSolution:
+class NutOrBearingSolution:
     """Solution of a low-order model for one of several nuts or bearings on a shaft, under the loads and without them."""
 
     #: Result under the loads of the assembly.
-    result: StaticResult
+    loaded_result: StaticResult
     #: Result without the loads of the assembly.
-    bare: StaticResult
+    unloaded_result: StaticResult
     #: Computing time of the solution under load [s].
     seconds: float
     #: Nut or bearing as a separate scene, loaded by the force and moment that its balls carry.
@@ -588,19 +601,19 @@ class SetSolution:
 
 
 def stored_references(
-    described: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), fitted: int = FITTED
-) -> list[Referenced]:
+    scene: Solvable, stores: Sequence[Path] | None, levels: Sequence[int] = tuple(LEVELS), run_count: int = FITTED
+) -> list[SceneWithReference]:
     """Return the stored 3D reference of each nut or bearing of a scene, formed from the stored runs on the finest meshes.
 
     Parameters
     ----------
-    described
+    scene
         Scene with one nut or bearing or several.
     stores
         Folders with runs of the 3D reference; None: those included with rollbench.
     levels
         Mesh levels whose runs may be used.
-    fitted
+    run_count
         Number of runs, counted from the finest, from which the uncertainty is estimated.
 
     Returns
@@ -608,24 +621,20 @@ def stored_references(
     list of Referenced
         Reference of each nut or bearing; empty if no run is stored.
     """
-    runs = tuple(run for level in levels if (run := load_run(described, level, stores=stores)) is not None)
-    return references_from_runs(described, runs[-fitted:]) if runs else []
+    runs = tuple(run for level in levels if (run := load_stored_run(scene, level, stores=stores)) is not None)
+    return references_from_runs(scene, runs[-run_count:]) if runs else []
 
 
-def references_from_runs(described: Solvable, runs: tuple[Run, ...]) -> list[Referenced]:
+def references_from_runs(scene: Solvable, runs: tuple[Run, ...]) -> list[SceneWithReference]:
     """Return the 3D reference of each nut or bearing of a scene from its ``runs`` on mesh levels, sorted coarse to fine."""
-    if isinstance(described, Scene):
-        return [
-            Referenced(
-                described, reference_from_runs(described.name, described, runs, contacts=nominal_contacts(described))
-            )
-        ]
+    if isinstance(scene, Scene):
+        return [SceneWithReference(scene, reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)))]
     out = []
-    for k, rows in enumerate(ball_slices_by_set(described)):
-        of = SetOfAssembly(described, k)
+    for k, rows in enumerate(ball_slices_by_set(scene)):
+        of = NutOrBearingOnShaft(scene, k)
         of_set = tuple(replace(r, load=r.load[rows], angle=r.angle[rows], frozen=r.frozen[rows]) for r in runs)
-        reference = reference_from_runs(f"{described.name}, {of.name}", of.scene, of_set, contacts=of.contacts)
-        out.append(Referenced(of.scene, reference, of))
+        reference = reference_from_runs(f"{scene.name}, {of.name}", of.scene, of_set, contacts=of.loaded_contact_count)
+        out.append(SceneWithReference(of.scene, reference, of))
     return out
 
 
@@ -637,9 +646,12 @@ def _loaded_contact_counts(assembly: Assembly) -> tuple[int, ...]:
     return tuple(_loaded_contact_count(result, k) for k in range(len(sets)))
 
 
-def _loaded_contact_count(result: AxisResult, k: int) -> int:
-    """Return the number of loaded ball contacts of nut or bearing ``k`` (from 0); 0 for rollers or without equilibrium."""
-    balls = result.sets[k].balls if result.converged else None
+def _loaded_contact_count(result: AxisResult, set_index: int) -> int:
+    """Return the number of loaded ball contacts of nut or bearing ``set_index`` (from 0).
+
+    0 for rollers or without equilibrium.
+    """
+    balls = result.sets[set_index].balls if result.converged else None
     return 0 if balls is None else int(np.count_nonzero(balls.load > 0.0))
 
 
@@ -651,12 +663,12 @@ def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResu
     are cached.
     """
     start = perf_counter()
-    result = run_model(assembly, model, Options(engine="interpreted"))
+    result = run_model(assembly, model, ModelOptions(engine="interpreted"))
     seconds = perf_counter() - start
-    return result, run_model(scale_loads(assembly, 0.0), model, Options(engine="interpreted")), seconds
+    return result, run_model(with_scaled_loads(assembly, 0.0), model, ModelOptions(engine="interpreted")), seconds
 
 
-def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution | str:
+def solution_of_nut_or_bearing(set_of_assembly: NutOrBearingOnShaft, model: str) -> NutOrBearingSolution | str:
     """Return a model's solution for one of several nuts or bearings on a shaft, under the shaft's loads and without them.
 
     Parameters
@@ -668,7 +680,7 @@ def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution |
 
     Returns
     -------
-    SetSolution or str
+    NutOrBearingSolution or str
         The solution, or the reason why the assembly has no equilibrium.
 
     Raises
@@ -679,10 +691,10 @@ def solution_of_set(set_of_assembly: SetOfAssembly, model: str) -> SetSolution |
     result, bare, seconds = _solve_loaded_and_unloaded(set_of_assembly.assembly, model)
     if not result.converged:
         return result.status
-    loaded, idle = result.sets[set_of_assembly.number], bare.sets[set_of_assembly.number] if bare.converged else None
+    loaded, idle = result.sets[set_of_assembly.index], bare.sets[set_of_assembly.index] if bare.converged else None
     assert loaded.balls is not None
     assert isinstance(loaded.of.parts, Scene)
     balls = replace(loaded.balls, model=model)
     carried = Load(loaded.of.position, tuple(-x for x in loaded.force), tuple(-x for x in loaded.moment))
-    without = balls.without_answers() if idle is None or idle.balls is None else idle.balls
-    return SetSolution(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))
+    without = balls.with_nan_answers() if idle is None or idle.balls is None else idle.balls
+    return NutOrBearingSolution(balls, replace(without, model=model), seconds, replace(loaded.of.parts, loads=(carried,)))

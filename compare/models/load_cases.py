@@ -10,31 +10,31 @@ import numpy as np
 
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.answers import (
-    Answers,
-    AxisAnswers,
-    LoadAnswers,
-    RollerAnswers,
+    ContactLoadResults,
+    RollerLoadResults,
+    SceneResults,
+    ShaftResults,
     axial_play_warnings,
-    compute_all_results,
+    compute_scene_results,
     solve_assembly_with_results,
     validity_warnings,
 )
 from rollbench.compare.models.loading import absolute_axial_preload, load_path_warnings
-from rollbench.compare.models.model_form import ModelForm, estimate_model_error
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.model_form import ExpectedModelErrors, estimate_model_error
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.lowfi.bearings.axis import TorqueBudget, acceleration_torque, reflected_inertia, screw_inertia
-from rollbench.lowfi.bearings.torque import BallTorque, Band, roller_torque
+from rollbench.lowfi.bearings.axis import DriveTorqueParts, acceleration_torque, reflected_inertia, screw_inertia
+from rollbench.lowfi.bearings.torque import BallBearingTorque, Band, roller_bearing_torque
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, modified_life
 from rollbench.lowfi.rating.life import (
     SLOPE,
-    EquivalentLife,
-    Life,
+    BasicRatingLife,
+    EquivalentLoadLife,
     SystemLife,
     basic_rating_life,
-    equivalent_contact_loads,
+    damage_equivalent_contact_loads,
     life_by_equivalent_loads,
     life_of_parts_in_series,
 )
@@ -53,7 +53,7 @@ NutSums = Mapping[int, tuple[dict[str, Any] | None, str]]
 
 
 @result_record
-class SetDrive:
+class ShaftTorqueOfNutOrBearing:
     """Torque that turns the shaft in one nut or bearing row; ranges of torque are (low, high) [N m], None if not known."""
 
     name: str = quantity_field("name", "name of the nut or bearing row")
@@ -76,7 +76,7 @@ class SetDrive:
 class AxisDrive:
     """Torques (low, high) [N m] and moments of inertia [kg m^2] at the motor of a feed axis (Smith 4.10 to 4.15)."""
 
-    sets: tuple[SetDrive, ...] = quantity_field("sets")
+    sets: tuple[ShaftTorqueOfNutOrBearing, ...] = quantity_field("sets")
     seals: float = quantity_field(
         "seals_Nmm", "friction torque of all seals and wipers on the shaft, as the scene states it"
     )
@@ -133,7 +133,7 @@ def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
     dict
         For the number (from 0) of each nut: its friction results as JSON values, or None and the reason.
     """
-    from rollbench.compare.models.friction_sums import cached_friction_sums
+    from rollbench.compare.models.friction_sums import friction_results_if_compiled
 
     out: dict[int, tuple[dict[str, Any] | None, str]] = {}
     for i, s in enumerate(result.sets):
@@ -142,12 +142,12 @@ def friction_of_nuts(assembly: Assembly, result: AxisResult) -> NutSums:
                 out[i] = None, "no coefficient in [friction]"
             else:
                 parts = replace(s.of.parts, friction=assembly.friction, motion=assembly.motion)
-                out[i] = cached_friction_sums(parts, s.balls, Options(member=result.member))
+                out[i] = friction_results_if_compiled(parts, s.balls, ModelOptions(member=result.member))
     return out
 
 
 def motor_torques_and_inertias(
-    assembly: Assembly, result: AxisResult, answers: AxisAnswers, friction_of_nuts: NutSums
+    assembly: Assembly, result: AxisResult, derived_results: ShaftResults, friction_of_nuts: NutSums
 ) -> AxisDrive | None:
     """Compute torques and moments of inertia at the motor of a feed axis with a turning shaft.
 
@@ -159,7 +159,7 @@ def motor_torques_and_inertias(
         Shaft with several nuts or bearing rows.
     result
         Converged result of the assembly.
-    answers
+    derived_results
         Friction torques of the bearings and other results that follow from ``result``.
     friction_of_nuts
         For the number (from 0) of each nut, its friction results or the reason why there are none, as the function
@@ -176,14 +176,14 @@ def motor_torques_and_inertias(
     sign = -1.0 if motion is not None and motion.speed < 0.0 else 1.0
     turning = [i for i, s in enumerate(result.sets) if s.of.carrier is None]
     found = (
-        _torque_of_nut(result.sets[i].of.name, *friction_of_nuts[i], sign)
+        _driving_torque_of_nut(result.sets[i].of.name, *friction_of_nuts[i], sign)
         if i in friction_of_nuts
-        else _torque_of_bearing(assembly, result.sets[i], answers.sets[i].torque)
+        else _friction_torque_of_bearing(assembly, result.sets[i], derived_results.set_results[i].friction_torque)
         for i in turning
     )
     sets = tuple(replace(x, seals=result.sets[i].of.seals) for x, i in zip(found, turning, strict=True))
     seals, lead = sum(result.sets[i].of.seals for i in turning), lead_of_first_nut(assembly)
-    running = _sum_of_torques(drive.torque, [s.running for s in sets], seals)
+    running = _sum_of_friction_torques(drive.torque, [s.running for s in sets], seals)
     inertias = [screw_inertia(assembly, drive.density), drive.motor_inertia]
     accelerating = None
     if running is not None and motion is not None and drive.time is not None:
@@ -197,7 +197,7 @@ def motor_torques_and_inertias(
         seals,
         drive.torque,
         running,
-        _sum_of_torques(drive.torque, [s.starting for s in sets], seals),
+        _sum_of_friction_torques(drive.torque, [s.starting for s in sets], seals),
         accelerating,
         inertias[0],
         carried,
@@ -210,58 +210,69 @@ def lead_of_first_nut(assembly: Assembly) -> float:
     return next((s.parts.track.lead for s in assembly.sets if isinstance(s.parts, Scene) and s.parts.track.lead), 0.0)
 
 
-def _sum_of_torques(other: float, sets: list[Band | None], seals: float) -> Band | None:
+def _sum_of_friction_torques(other_torque: float, set_torques: list[Band | None], seal_torque: float) -> Band | None:
     """Return the sum of the friction torques on a shaft as a range (low, high) [N m] (Smith 4.10).
 
-    ``sets``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known);
-    ``seals``: torque of all seals [N m]; ``other``: torque of all other parts [N m].
+    ``set_torques``: torque of each nut or bearing, (low, high) [N m]; the sum is None if one of them is None (not known);
+    ``seal_torque``: torque of all seals [N m]; ``other_torque``: torque of all other parts [N m].
     """
-    known = [x for x in sets if x is not None]
-    if len(known) < len(sets):
+    known = [x for x in set_torques if x is not None]
+    if len(known) < len(set_torques):
         return None
-    low, high = (TorqueBudget(other, seals, tuple(x[k] for x in known), 0.0).constant_speed for k in (0, 1))
+    low, high = (
+        DriveTorqueParts(other_torque, seal_torque, tuple(x[k] for x in known), 0.0).constant_speed_torque for k in (0, 1)
+    )
     return low, high
 
 
-def _torque_of_nut(name: str, sums: dict[str, Any] | None, why: str, sign: float) -> SetDrive:
+def _driving_torque_of_nut(
+    name: str, friction_results: dict[str, Any] | None, reason: str, sign: float
+) -> ShaftTorqueOfNutOrBearing:
     """Return the torque with which the turning screw drives a nut.
 
-    ``name``: name of the nut; ``sums``: its friction torques as JSON values; None: not known, for the reason ``why``;
-    ``sign``: -1 if the screw turns in the negative direction, else 1.
+    ``name``: name of the nut; ``friction_results``: its friction torques as JSON values; None: not known, for the reason
+    ``reason``; ``sign``: -1 if the screw turns in the negative direction, else 1.
     """
-    if sums is None or sums["driving_torque_on_screw_Nmm"] is None:
-        return SetDrive(name, None, None, words=why or "the friction of the balls did not converge")
-    torque = 1e-3 * sign * sums["driving_torque_on_screw_Nmm"]
-    return SetDrive(name, (torque, torque), (torque, torque))
+    if friction_results is None or friction_results["driving_torque_on_screw_Nmm"] is None:
+        return ShaftTorqueOfNutOrBearing(name, None, None, words=reason or "the friction of the balls did not converge")
+    torque = 1e-3 * sign * friction_results["driving_torque_on_screw_Nmm"]
+    return ShaftTorqueOfNutOrBearing(name, (torque, torque), (torque, torque))
 
 
-def _torque_of_bearing(assembly: Assembly, s: SetResult, torque: BallTorque | None) -> SetDrive:
+def _friction_torque_of_bearing(
+    assembly: Assembly, bearing_result: SetResult, torque: BallBearingTorque | None
+) -> ShaftTorqueOfNutOrBearing:
     """Return the friction torque of a bearing row, while it runs and when it starts from rest; zero without load.
 
-    ``s``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without load.
+    ``bearing_result``: solution of the row; ``torque``: friction torque if the row has balls; None for rollers or without
+    load.
     """
     ends: tuple[Band | None, Band | None] = (0.0, 0.0), (0.0, 0.0)
     if torque is not None:
         ends = torque.running, torque.starting
-    elif isinstance(s.of.parts, RollerRow) and s.line_loads is not None:
+    elif isinstance(bearing_result.of.parts, RollerRow) and bearing_result.line_loads is not None:
         speed = None if assembly.motion is None else assembly.motion.speed
-        if (row := roller_torque(s.of.parts, s.line_loads, speed, assembly.lubricant)) is not None:
+        if (
+            row := roller_bearing_torque(bearing_result.of.parts, bearing_result.line_loads, speed, assembly.lubricant)
+        ) is not None:
             low, high = (row.torque if x is None else x for x in (row.low, row.high))
             ends = None if row.film is None else (low, high), (low - (row.film or 0.0), high - (row.film or 0.0))
-    return SetDrive(s.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
+    return ShaftTorqueOfNutOrBearing(bearing_result.of.name, *ends, words="" if ends[0] is not None else NOT_RUNNING)
 
 
-def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnswers) -> SystemLife | None:
+def combined_life_of_turning_parts(
+    assembly: Assembly, result: AxisResult, derived_results: ShaftResults
+) -> SystemLife | None:
     """Compute the combined rating life of all nuts and bearings on a turning shaft; None if none of them has a life.
 
-    ``result``: converged solution of the shaft; ``answers``: results that follow from it, with the life of each nut or
-    bearing. Bearings on a moving housing, which do not turn with the shaft, are left out.
+    ``result``: converged solution of the shaft; ``derived_results``: results that follow from it, with the life of each nut
+    or bearing. Bearings on a moving housing, which do not turn with the shaft, are left out.
     """
     lives = {}
-    for s, one in zip(result.sets, answers.sets, strict=True):
-        life = getattr(one.loads, "life", None)
+    for s, one in zip(result.sets, derived_results.set_results, strict=True):
+        life = getattr(one.load_results, "life", None)
         if s.of.carrier is None and life is not None:
-            slope = roller_life.SLOPE if isinstance(one.loads, RollerAnswers) else SLOPE
+            slope = roller_life.SLOPE if isinstance(one.load_results, RollerLoadResults) else SLOPE
             lives[one.name] = 1e6 * life.revolutions, slope
     if not lives:
         return None
@@ -271,7 +282,7 @@ def combined_axis_life(assembly: Assembly, result: AxisResult, answers: AxisAnsw
 
 
 @dataclass(frozen=True)
-class SolvedSet:
+class LoadsOfNutOrBearing:
     """Contact loads and force of one nut or bearing row in one load case, from which its life over a duty cycle follows."""
 
     #: Geometry of the nut or row; if it has balls, as a scene with all loads and supports of the shaft.
@@ -285,7 +296,7 @@ class SolvedSet:
 
 
 @dataclass(frozen=True)
-class Solved:
+class SceneSolution:
     """Solution of a scene with one nut or bearing row by one model, with all results that follow from the contact loads."""
 
     #: The scene.
@@ -293,27 +304,27 @@ class Solved:
     #: Contact loads and displacements by the model, with all warnings.
     result: StaticResult
     #: Results that follow from the contact loads; None without equilibrium.
-    answers: Answers | None = None
+    derived_results: SceneResults | None = None
     #: Expected error of the model's results; None without equilibrium.
-    expected: ModelForm | None = None
+    expected_errors: ExpectedModelErrors | None = None
 
     @property
-    def contacts(self) -> tuple[LoadAnswers, ...]:
+    def contact_results(self) -> tuple[ContactLoadResults, ...]:
         """Pressure, static safety and life of the nut or row, as a tuple of one item; empty without equilibrium."""
-        return () if self.answers is None else (self.answers.loads,)
+        return () if self.derived_results is None else (self.derived_results.load_results,)
 
     @property
-    def sets(self) -> dict[str, SolvedSet]:
+    def loads_by_set(self) -> dict[str, LoadsOfNutOrBearing]:
         """Contact loads and force of the scene's only nut or row, under the name ""; empty without equilibrium."""
-        if self.answers is None or self.result.equilibrium is None:
+        if self.derived_results is None or self.result.equilibrium is None:
             return {}
-        preload = absolute_axial_preload(self.answers.preload) if self.scene.errors.lead_offset else 0.0
+        preload = absolute_axial_preload(self.derived_results.preload) if self.scene.errors.lead_offset else 0.0
         force = -self.result.equilibrium.contact_force
-        return {"": SolvedSet(self.scene, self.result.load, force, preload)}
+        return {"": LoadsOfNutOrBearing(self.scene, self.result.load, force, preload)}
 
 
 @dataclass(frozen=True)
-class SolvedAxis:
+class ShaftSolution:
     """Solution of a shaft with several nuts or bearing rows by one model, with all results that follow from the loads."""
 
     #: The assembly.
@@ -321,36 +332,40 @@ class SolvedAxis:
     #: Contact loads and displacements by the model, with all warnings.
     result: AxisResult
     #: Results that follow from the contact loads; None without equilibrium.
-    answers: AxisAnswers | None = None
+    derived_results: ShaftResults | None = None
     #: Always None: expected errors are estimated for scenes with one nut or row only.
-    expected: None = None
+    expected_errors: None = None
     #: Torques and moments of inertia at the motor; None without equilibrium, or if the nuts turn instead of the shaft.
-    drive: AxisDrive | None = None
+    motor_torques: AxisDrive | None = None
     #: Combined life of all nuts and rows that turn with the shaft; None if none of them has a life.
-    life: SystemLife | None = None
+    combined_life: SystemLife | None = None
 
     @property
-    def contacts(self) -> tuple[LoadAnswers | RollerAnswers, ...]:
+    def contact_results(self) -> tuple[ContactLoadResults | RollerLoadResults, ...]:
         """Pressure, static safety and life of each nut or row, rollers included; empty without equilibrium."""
-        return () if self.answers is None else tuple(x.loads for x in self.answers.sets)
+        return () if self.derived_results is None else tuple(x.load_results for x in self.derived_results.set_results)
 
     @property
-    def sets(self) -> dict[str, SolvedSet]:
+    def loads_by_set(self) -> dict[str, LoadsOfNutOrBearing]:
         """Contact loads and force of each nut or row by its name; empty without equilibrium."""
-        if self.answers is None:
+        if self.derived_results is None:
             return {}
         on_housings = (Load(h.at, h.force, h.moment) for h in self.scene.housings)
         loads, out = (*self.scene.loads, *on_housings), {}
-        for s, answers in zip(self.result.sets, self.answers.sets, strict=True):
-            if isinstance(answers.parts, Scene) and isinstance(answers.loads, LoadAnswers) and s.balls is not None:
+        for s, answers in zip(self.result.sets, self.derived_results.set_results, strict=True):
+            if (
+                isinstance(answers.parts, Scene)
+                and isinstance(answers.load_results, ContactLoadResults)
+                and s.balls is not None
+            ):
                 parts = replace(answers.parts, name=self.scene.name, loads=loads, supports=self.scene.supports)
-                out[s.of.name] = SolvedSet(parts, s.balls.load, -s.force)
+                out[s.of.name] = LoadsOfNutOrBearing(parts, s.balls.load, -s.force)
             elif s.line_loads is not None:
-                out[s.of.name] = SolvedSet(answers.parts, s.line_loads, -s.force)
+                out[s.of.name] = LoadsOfNutOrBearing(answers.parts, s.line_loads, -s.force)
         return out
 
 
-def solve_with_results(scene: Scene | Assembly, model: str, options: Options) -> Solved | SolvedAxis:
+def solve_with_results(scene: Scene | Assembly, model: str, options: ModelOptions) -> SceneSolution | ShaftSolution:
     """Solve a scene by a model and compute all results: pressure, safety, life, rigidity, preload, friction.
 
     Parameters
@@ -364,7 +379,7 @@ def solve_with_results(scene: Scene | Assembly, model: str, options: Options) ->
 
     Returns
     -------
-    Solved or SolvedAxis
+    Solved or ShaftSolution
         The solution with all results.
 
     Raises
@@ -373,41 +388,41 @@ def solve_with_results(scene: Scene | Assembly, model: str, options: Options) ->
         If the model does not cover the scene.
     """
     return (
-        solve_axis_with_results(scene, model, options)
+        solve_shaft_with_results(scene, model, options)
         if isinstance(scene, Assembly)
         else solve_scene_with_results(scene, model, options)
     )
 
 
-def solve_axis_with_results(scene: Assembly, model: str, options: Options) -> SolvedAxis:
+def solve_shaft_with_results(scene: Assembly, model: str, options: ModelOptions) -> ShaftSolution:
     """Solve a shaft with several nuts or bearing rows, and compute all results.
 
     InputError if the model does not cover the assembly.
     """
     result, answers = solve_assembly_with_results(scene, model, options.member)
     if answers is None:
-        return SolvedAxis(scene, result)
+        return ShaftSolution(scene, result)
     drive = motor_torques_and_inertias(scene, result, answers, friction_of_nuts(scene, result))
-    return SolvedAxis(scene, result, answers, None, drive, combined_axis_life(scene, result, answers))
+    return ShaftSolution(scene, result, answers, None, drive, combined_life_of_turning_parts(scene, result, answers))
 
 
-def solve_scene_with_results(scene: Scene, model: str, options: Options) -> Solved:
+def solve_scene_with_results(scene: Scene, model: str, options: ModelOptions) -> SceneSolution:
     """Solve a scene with one nut or bearing row, and compute all results; InputError if the model does not cover it."""
     result = run_model(scene, model, options)
     if not result.converged:
-        return Solved(scene, result)
-    answers = compute_all_results(scene, result, model, options)
-    warned = [*validity_warnings(scene, answers.loads, absolute_axial_preload(answers.preload))]
+        return SceneSolution(scene, result)
+    answers = compute_scene_results(scene, result, model, options)
+    warned = [*validity_warnings(scene, answers.load_results, absolute_axial_preload(answers.preload))]
     if scene.friction is not None:
         warned += warn_of_overall_friction_coefficient(scene.track, scene.friction)
-    warned += [*load_path_warnings(answers.path), *axial_play_warnings(scene)]
-    warned += [] if answers.shaft is None else answers.shaft.warnings
+    warned += [*load_path_warnings(answers.load_path), *axial_play_warnings(scene)]
+    warned += [] if answers.shaft_limits is None else answers.shaft_limits.warnings
     result = replace(result, warnings=(*result.warnings, *warned))
-    return Solved(scene, result, answers, estimate_model_error(scene, result))
+    return SceneSolution(scene, result, answers, estimate_model_error(scene, result))
 
 
 @dataclass(frozen=True)
-class Extreme:
+class ExtremeOverLoadCases:
     """Largest or smallest value of a quantity over the load cases of a duty cycle, and the load case with this value."""
 
     #: The value, in SI units; errors in per cent.
@@ -417,19 +432,19 @@ class Extreme:
 
 
 @result_record
-class Lives:
+class LivesOverDutyCycle:
     """Rating lives of one nut or bearing row over a duty cycle: from its contact loads, and from equivalent loads.
 
     Equivalent loads are those of the standards for ball screws and bearings.
     """
 
     #: Life by the contact loads; if None, ``life_words`` states the reason.
-    life: Life | None
+    life: BasicRatingLife | None
     life_words: str = quantity_field(
         "life_words", "why no life over the duty cycle can be computed", show=lambda words: words or None
     )
     #: Life by the equivalent loads of the standards; if None, ``standard_words`` states the reason.
-    standard: EquivalentLife | None = quantity_field("standard_life")
+    standard: EquivalentLoadLife | None = quantity_field("standard_life")
     standard_words: str = quantity_field(
         "standard_life_words", "why there is no life by the standard", show=lambda words: words or None
     )
@@ -453,11 +468,11 @@ class Lives:
 
 
 @result_record
-class CycleResults:
+class DutyCycleResults:
     """Extreme values over the load cases of a duty cycle, and lives of each nut or bearing row over the whole cycle."""
 
     #: Largest contact pressure [Pa] of the load cases with equilibrium; None if no contact is loaded.
-    pressure: Extreme | None = quantity_field(
+    pressure: ExtremeOverLoadCases | None = quantity_field(
         "largest_pressure_MPa",
         "largest pressure of all load cases",
         QuantityDescription(
@@ -469,7 +484,7 @@ class CycleResults:
         note="case {largest_pressure_case}",
     )
     #: Smallest static safety of the load cases with equilibrium; None if no contact is loaded.
-    safety: Extreme | None = quantity_field(
+    safety: ExtremeOverLoadCases | None = quantity_field(
         "least_static_safety",
         "least static safety of all load cases",
         QuantityDescription(
@@ -482,7 +497,7 @@ class CycleResults:
         note="case {least_static_safety_case}",
     )
     #: Largest expected error of a contact load in the load cases with equilibrium [% of the mean load]; None: not known.
-    error: Extreme | None = quantity_field(
+    error: ExtremeOverLoadCases | None = quantity_field(
         "largest_expected_error_percent",
         "largest expected error of a contact load in any load case, in per cent of the mean load",
         QuantityDescription(
@@ -498,7 +513,7 @@ class CycleResults:
     #: Why there is no equilibrium, by the name of each load case without equilibrium.
     unsolved: dict[str, str] = quantity_field("unsolved")
     #: Lives of every nut or bearing row.
-    lives: tuple[Lives, ...]
+    lives: tuple[LivesOverDutyCycle, ...]
     #: Mean speed over the cycle [rad/s]; None: not known.
     speed: float | None
     #: Combined life of all nuts and rows that turn with the shaft; None for a single nut or row, or if no life is known.
@@ -510,45 +525,51 @@ class CycleResults:
     )
     def shortest(self) -> str:
         """Name of the nut or row with the shortest life over the duty cycle."""
-        return self.least.set
+        return self.shortest_lives.set
 
     @property
-    def least(self) -> Lives:
+    def shortest_lives(self) -> LivesOverDutyCycle:
         """Lives of the nut or row with the shortest life over the cycle; a life that is not known counts as zero."""
         return min(self.lives, key=lambda lives: 0.0 if lives.life is None else lives.life.revolutions)
 
 
-def compute_cycle_results(cycle: DutyCycle, solved: Sequence[Solved | SolvedAxis]) -> CycleResults:
+def compute_duty_cycle_results(cycle: DutyCycle, solutions: Sequence[SceneSolution | ShaftSolution]) -> DutyCycleResults:
     """Compute extreme values over the load cases of a duty cycle, and lives over the whole cycle.
 
     Parameters
     ----------
     cycle
         The duty cycle.
-    solved
+    solutions
         Solution of each load case, in the order of the cycle.
 
     Returns
     -------
-    CycleResults
+    DutyCycleResults
         Largest pressure, least static safety, largest expected error, and lives.
     """
-    pairs = list(zip(cycle.cases, solved, strict=True))
-    answers = [(case, x) for case, one in pairs for x in one.contacts]
-    errors = [(case, None if one.expected is None else one.expected.percent) for case, one in pairs if one.answers]
-    return CycleResults(
-        _extreme_over_cases(max, ((case, a.worst.pressure) for case, a in answers if a.worst)),
+    pairs = list(zip(cycle.cases, solutions, strict=True))
+    answers = [(case, x) for case, one in pairs for x in one.contact_results]
+    errors = [
+        (case, None if one.expected_errors is None else one.expected_errors.percent)
+        for case, one in pairs
+        if one.derived_results
+    ]
+    return DutyCycleResults(
+        _extreme_over_cases(max, ((case, a.worst_contact.pressure) for case, a in answers if a.worst_contact)),
         _extreme_over_cases(min, ((case, a.safety.factor) for case, a in answers if a.safety)),
         _extreme_over_cases(max, errors),
         tuple(case.name for case, percent in errors if percent is None),
-        {case.name: one.result.status for case, one in pairs if one.answers is None},
-        lives := tuple(_lives_of_set(cycle, name, [one.sets.get(name) for one in solved]) for name in cycle.sets),
+        {case.name: one.result.status for case, one in pairs if one.derived_results is None},
+        lives := tuple(
+            _lives_of_nut_or_bearing(cycle, name, [one.loads_by_set.get(name) for one in solutions]) for name in cycle.sets
+        ),
         cycle.speed,
-        _axis_life_over_cycle(cycle, lives),
+        _combined_life_over_duty_cycle(cycle, lives),
     )
 
 
-def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLife | None:
+def _combined_life_over_duty_cycle(cycle: DutyCycle, lives: Sequence[LivesOverDutyCycle]) -> SystemLife | None:
     """Return the combined rating life of all nuts and bearing rows that turn with the shaft, over a duty cycle.
 
     ``lives``: lives of each nut or row. None for a scene with one nut or row, or if no life is known.
@@ -564,16 +585,18 @@ def _axis_life_over_cycle(cycle: DutyCycle, lives: Sequence[Lives]) -> SystemLif
     return SystemLife(together, min(known, key=lambda name: known[name]), lead_of_first_nut(cycle.parts), cycle.speed)
 
 
-def life_over_cycle(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) -> tuple[Life | None, str]:
+def rating_life_over_duty_cycle(
+    cycle: DutyCycle, set_name: str, loads_by_case: Sequence[Array | None]
+) -> tuple[BasicRatingLife | None, str]:
     """Compute the basic rating life of a nut or bearing row over a duty cycle from its loads in every load case.
 
     Parameters
     ----------
     cycle
         The duty cycle.
-    name
+    set_name
         Name of the nut or row, as in `DutyCycle.sets`.
-    loads
+    loads_by_case
         Contact loads (n, 4) [N], or line loads of rollers (count, slices) [N/m], in every load case; None: not known.
 
     Returns
@@ -583,22 +606,26 @@ def life_over_cycle(cycle: DutyCycle, name: str, loads: Sequence[Array | None]) 
     str
         Why there is no life; empty if there is one.
     """
-    lacking = [case.name for case, load in zip(cycle.cases, loads, strict=True) if load is None and case.share > 0.0]
+    lacking = [
+        case.name for case, load in zip(cycle.cases, loads_by_case, strict=True) if load is None and case.share > 0.0
+    ]
     if lacking:
         return None, f"the contact loads of case {lacking[0]} are not known"
     try:
-        known = [np.zeros((1, 4)) if load is None else load for load in loads]
-        parts = cycle.sets[name]
+        known = [np.zeros((1, 4)) if load is None else load for load in loads_by_case]
+        parts = cycle.sets[set_name]
         if isinstance(parts, RollerRow):
-            rated = roller_life.basic_rating_life_of_row(parts, roller_life.equivalent_line_loads(known, cycle.shares))
+            rated = roller_life.basic_rating_life_of_row(
+                parts, roller_life.damage_equivalent_line_loads(known, cycle.revolution_shares)
+            )
         else:
-            rated = basic_rating_life(parts, equivalent_contact_loads(known, cycle.shares))
+            rated = basic_rating_life(parts, damage_equivalent_contact_loads(known, cycle.revolution_shares))
     except ValueError as error:
         return None, str(error)
     return rated, "" if rated is not None else "no load"
 
 
-def contact_loads_by_set(result: StaticResult | AxisResult) -> dict[str, Array]:
+def contact_loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> dict[str, Array]:
     """Return the contact loads of each nut or bearing row of a solved scene.
 
     Parameters
@@ -617,36 +644,45 @@ def contact_loads_by_set(result: StaticResult | AxisResult) -> dict[str, Array]:
     return {name: load for name, load in found if load is not None}
 
 
-def _lives_of_set(cycle: DutyCycle, name: str, each: Sequence[SolvedSet | None]) -> Lives:
+def _lives_of_nut_or_bearing(
+    cycle: DutyCycle, set_name: str, loads_by_case: Sequence[LoadsOfNutOrBearing | None]
+) -> LivesOverDutyCycle:
     """Return the rating lives of one nut or bearing row over a duty cycle.
 
-    ``name``: name of the nut or row as in `DutyCycle.sets`; ``each``: its contact loads and force in every load case; None
-    for a load case without equilibrium.
+    ``set_name``: name of the nut or row as in `DutyCycle.sets`; ``loads_by_case``: its contact loads and force in every
+    load case; None for a load case without equilibrium.
     """
-    rated, words = life_over_cycle(cycle, name, [None if s is None else s.load for s in each])
+    rated, words = rating_life_over_duty_cycle(cycle, set_name, [None if s is None else s.load for s in loads_by_case])
     if rated is None:
-        return Lives(rated, words, None, words, name)
-    used = [(s, case.share) for s, case in zip(each, cycle.cases, strict=True) if s is not None and case.share > 0.0]
+        return LivesOverDutyCycle(rated, words, None, words, set_name)
+    used = [
+        (s, case.share) for s, case in zip(loads_by_case, cycle.cases, strict=True) if s is not None and case.share > 0.0
+    ]
     parts, shares, forces = [s.parts for s, _ in used], [share for _, share in used], [s.force for s, _ in used]
-    row = cycle.sets[name]
+    row = cycle.sets[set_name]
     if isinstance(row, RollerRow):
-        basic = iso_lives.roller_reference_life(row, roller_life.equivalent_line_loads([s.load for s, _ in used], shares))
-        return Lives(rated, words, roller_life.life_of_row_by_equivalent_loads(row, shares, forces), "", name, None, basic)
+        basic = iso_lives.roller_reference_life(
+            row, roller_life.damage_equivalent_line_loads([s.load for s, _ in used], shares)
+        )
+        return LivesOverDutyCycle(
+            rated, words, roller_life.life_of_row_by_equivalent_loads(row, shares, forces), "", set_name, None, basic
+        )
     modified, basic = modified_life(row, rated), iso_lives.ball_reference_life(row, rated)
     try:
         scenes = [x for x in parts if isinstance(x, Scene)]
         standard = life_by_equivalent_loads(scenes, shares, forces, max(s.preload for s, _ in used))
     except ValueError as error:
-        return Lives(rated, words, None, str(error), name, modified, basic)
-    return Lives(rated, words, standard, "" if standard is not None else "no load", name, modified, basic)
+        return LivesOverDutyCycle(rated, words, None, str(error), set_name, modified, basic)
+    return LivesOverDutyCycle(rated, words, standard, "" if standard is not None else "no load", set_name, modified, basic)
 
 
 def _extreme_over_cases(
-    pick: Callable[..., tuple[float, str]], values: Iterable[tuple[LoadCase, float | None]]
-) -> Extreme | None:
+    max_or_min: Callable[..., tuple[float, str]], values_by_case: Iterable[tuple[LoadCase, float | None]]
+) -> ExtremeOverLoadCases | None:
     """Return the largest or smallest value over load cases, with the name of its load case; None if no value is known.
 
-    ``pick``: the function max or min; ``values``: pairs of a load case and its value, None for a value that is not known.
+    ``max_or_min``: the function max or min; ``values_by_case``: pairs of a load case and its value, None for a value that
+    is not known.
     """
-    known = [(value, case.name) for case, value in values if value is not None]
-    return Extreme(*pick(known, key=lambda one: one[0])) if known else None
+    known = [(value, case.name) for case, value in values_by_case if value is not None]
+    return ExtremeOverLoadCases(*max_or_min(known, key=lambda one: one[0])) if known else None

@@ -9,12 +9,12 @@ from typing import TypeVar, overload
 import numpy as np
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_force
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
+from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.lowfi.statics.summary import resultant_about_origin
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import SIDES, Load, Scene
@@ -93,14 +93,14 @@ class LiftOff:
 
 
 @overload
-def scale_loads(scene: Scene, factor: float) -> Scene: ...
+def with_scaled_loads(scene: Scene, factor: float) -> Scene: ...
 
 
 @overload
-def scale_loads(scene: Assembly, factor: float) -> Assembly: ...
+def with_scaled_loads(scene: Assembly, factor: float) -> Assembly: ...
 
 
-def scale_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
+def with_scaled_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     """Return a copy of a scene with all loads on shaft and housings multiplied by a factor.
 
     Parameters
@@ -124,13 +124,13 @@ def scale_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembly:
     loads = tuple(map(multiplied_load, scene.loads))
     if isinstance(scene, Scene):
         return replace(scene, loads=loads if factor else ())
-    from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
+    from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # heavy import
 
     housings = tuple(map(multiplied_load, scene.housings))
-    return replace(scene, loads=loads, housings=housings, stiffness_at=reported_location(scene))
+    return replace(scene, loads=loads, housings=housings, stiffness_at=location_of_reported_stiffness(scene))
 
 
-def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
+def solve_with_scaled_loads(scene: Scene, factor: float, model: str, options: ModelOptions) -> StaticResult:
     """Solve a scene with all loads multiplied by a factor.
 
     Parameters
@@ -154,7 +154,7 @@ def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> S
     InputError
         If the model does not cover the scene.
     """
-    return run_model(scale_loads(scene, factor), model, replace(options, discretisation=False))
+    return run_model(with_scaled_loads(scene, factor), model, replace(options, estimate_beam_mesh_error=False))
 
 
 def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
@@ -162,7 +162,7 @@ def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
     loads = unloaded.load[unloaded.load > 0.0]
     if not loads.size:
         return Preload(0.0, 0.0, 0, 0.0)
-    mean = mean_load(loads, nominal_contacts(scale_loads(scene, 0.0), unloaded))
+    mean = mean_load(loads, nominal_contacts(with_scaled_loads(scene, 0.0), unloaded))
     return Preload(mean, float(loads.max()), int(loads.size), axial_preload(scene, unloaded))
 
 
@@ -174,13 +174,13 @@ def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
     return min(float(unloaded.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
 
-def absolute_axial_preload(preload_result: Preload | None) -> float:
+def absolute_axial_preload(preload: Preload | None) -> float:
     """Return the magnitude of the internal axial force due to preload [N]; zero if the preload is None (not known)."""
-    return 0.0 if preload_result is None else abs(preload_result.axial)
+    return 0.0 if preload is None else abs(preload.axial)
 
 
 def find_lift_off_load(
-    scene: Scene, result: StaticResult, unloaded: StaticResult, model: str, options: Options
+    scene: Scene, result: StaticResult, unloaded: StaticResult, model: str, options: ModelOptions
 ) -> LiftOff | None:
     """Find the factor on the scene's loads at which the first preloaded contact opens.
 
@@ -225,7 +225,7 @@ def find_lift_off_load(
         high, contact = 1.0, nearest
     before = np.nan
     for solves in range(MOST):
-        root = _secant_root(known)
+        root = _zero_of_secant(known)
         if root > FURTHEST and high == np.inf and len(known) > 1:
             return LiftOff(None, solves=solves, words=f"no contact opens up to {FURTHEST:g} times the loads")
         low = known[-1][0]
@@ -235,7 +235,7 @@ def find_lift_off_load(
             return LiftOff(high, contact // 4 + 1, SIDES[contact % 4], high * unit, solves)
         before = root
         factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
-        trial = solve_scaled(scene, factor, model, options)
+        trial = solve_with_scaled_loads(scene, factor, model, options)
         if not trial.converged:
             return LiftOff(
                 None,
@@ -251,14 +251,14 @@ def find_lift_off_load(
     return LiftOff(None, solves=MOST, words=f"not found in {MOST} solutions")
 
 
-def _secant_root(known: Sequence[tuple[float, float]]) -> float:
+def _zero_of_secant(points: Sequence[tuple[float, float]]) -> float:
     """Return where the line through the last two points (x, y) crosses y = 0; infinite if y does not decrease with x.
 
-    ``known``: points in the order in which they were computed; with a single point the result is infinite, too.
+    ``points``: points in the order in which they were computed; with a single point the result is infinite, too.
     """
-    if len(known) < 2:
+    if len(points) < 2:
         return float("inf")
-    (a, f), (b, g) = known[-2:]
+    (a, f), (b, g) = points[-2:]
     return b + g * (b - a) / (f - g) if f > g else float("inf")
 
 
@@ -267,11 +267,11 @@ def sum_of_axial_loads(assembly: Assembly) -> float:
     return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
-def displacement_at_stated_position(assembly: Assembly, result: AxisResult) -> Array:
+def displacement_at_scene_position(assembly: Assembly, result: AxisResult) -> Array:
     """Return the displacement (6,) [m, rad] of the shaft position or housing named by the scene's key ``stiffness_at``."""
-    from rollbench.lowfi.statics.axis.system import reported_location  # heavy import
+    from rollbench.lowfi.statics.axis.system import location_of_reported_stiffness  # heavy import
 
-    at = reported_location(assembly)
+    at = location_of_reported_stiffness(assembly)
     if isinstance(at, str):
         return next((h.motion for h in result.housings if h.name == at), np.zeros(6))
     return np.array([np.interp(at, result.centreline_z, u) for u in result.centreline.T])
@@ -288,13 +288,13 @@ COMPONENTS = tuple(f"{way} {axis}" for way in ("along", "about") for axis in "xy
 
 
 @result_record
-class LoadTaker:
+class SupportShare:
     """Share of the external loads that one support of the shaft, or the frame that holds a housing, carries."""
 
     #: Name of the support (its axial position) or of the housing.
     name: str = quantity_field("name", "support of the shaft, named by its axial position, or frame that holds a housing")
     #: Force and moment that it carries, (6,) [N, N m].
-    part: Array = quantity_field(
+    carried_load: Array = quantity_field(
         "force_N",
         "share of the loads that this support or frame carries: force on it, less the force on it without the loads",
         QuantityDescription(
@@ -313,7 +313,7 @@ class LoadPath:
     """
 
     #: Force and moment of all loads, (6,) [N, N m].
-    applied: Array = quantity_field(
+    applied_load: Array = quantity_field(
         "applied.force_N",
         "sum of the forces of the scene's loads, on shaft and housings, along x, y, z",
         QuantityDescription(
@@ -326,12 +326,12 @@ class LoadPath:
         parts="[]",
     )
     #: Force and moment of the loads on the shaft, (6,) [N, N m].
-    on_shaft: Array
+    load_on_shaft: Array
     #: Shares that the supports of the shaft and the frames of housings carry.
-    takers: tuple[LoadTaker, ...] = quantity_field("supports")
+    support_shares: tuple[SupportShare, ...] = quantity_field("supports")
     #: Force and moment that the contacts carry, about the centre of their nut or ring, (6,) [N, N m]; for several nuts or
     #: rows the sum of the absolute values.
-    contacts: Array = quantity_field(
+    contact_load: Array = quantity_field(
         "contacts.force_N",
         "change, due to the loads, of the force of the screw on the contacts; of several nuts or bearing rows the sum of "
         "the absolute changes",
@@ -345,12 +345,12 @@ class LoadPath:
         parts="[]",
     )
     #: Pitch radius, the lever arm by which moments are compared with forces [m].
-    arm: float
+    lever_arm: float
     #: Name of the only body (housing, or "the shaft") whose loads are considered; empty: the loads on all bodies.
-    where: str = ""
+    loaded_body: str = ""
 
 
-def load_path_of_set(scene: Scene, result: StaticResult, unloaded: StaticResult) -> LoadPath | None:
+def load_path_of_scene(scene: Scene, result: StaticResult, unloaded: StaticResult) -> LoadPath | None:
     """Return the shares of the loads that supports and contacts carry, for a scene with one nut or bearing row.
 
     Parameters
@@ -373,7 +373,9 @@ def load_path_of_set(scene: Scene, result: StaticResult, unloaded: StaticResult)
     contacts = _wrench_about_station(
         scene.nut.position, _contact_wrench_on_screw(result) - _contact_wrench_on_screw(unloaded)
     )
-    return LoadPath(applied, applied, _support_shares(scene, result, unloaded), -contacts, scene.track.pitch_radius)
+    return LoadPath(
+        applied, applied, _load_shares_of_supports(scene, result, unloaded), -contacts, scene.track.pitch_radius
+    )
 
 
 def load_path_of_assembly(
@@ -404,13 +406,15 @@ def load_path_of_assembly(
     pairs = (
         zip(result.housings, unloaded.housings, strict=True) if unloaded.converged else ((h, None) for h in result.housings)
     )
-    frames = (LoadTaker(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
+    frames = (SupportShare(f"the frame of {a.name}", -(a.wrench - (0.0 if b is None else b.wrench))) for a, b in pairs)
     each = [np.concatenate([s.force, s.moment]) for s in result.sets]
     idle = [np.concatenate([s.force, s.moment]) for s in unloaded.sets] if unloaded.converged else [np.zeros(6)] * len(each)
     contacts = np.abs(np.array(each) - np.array(idle)).sum(axis=0)
     radii = [s.parts.track.pitch_radius for s in assembly.sets if isinstance(s.parts, Scene)]
     arm = max(radii, default=assembly.screw.outer_diameter / 2.0)
-    return LoadPath(applied, on_shaft, (*_support_shares(assembly, result, unloaded), *frames), contacts, arm, loaded_body)
+    return LoadPath(
+        applied, on_shaft, (*_load_shares_of_supports(assembly, result, unloaded), *frames), contacts, arm, loaded_body
+    )
 
 
 def assemblies_by_loaded_body(assembly: Assembly) -> dict[str, tuple[Assembly, Assembly]]:
@@ -438,16 +442,18 @@ def sum_of_loads(loads: Sequence[Load]) -> Array:
     return np.asarray(np.array([(*x.force, *x.moment) for x in loads]).reshape(-1, 6).sum(axis=0))
 
 
-def _support_shares(scene: Scene | Assembly, result: Solved, bare: Solved) -> tuple[LoadTaker, ...]:
+def _load_shares_of_supports(
+    scene: Scene | Assembly, result: StaticSolution, unloaded_result: StaticSolution
+) -> tuple[SupportShare, ...]:
     """Return the share of the loads that each support of the shaft carries; empty if the model computes no reactions.
 
-    ``result``: solution under the scene's loads; ``bare``: solution without them.
+    ``result``: solution under the scene's loads; ``unloaded_result``: solution without them.
     """
     if not len(result.reactions):  # Mei's axial models do not distinguish supports
         return ()
-    idle = bare.reactions if bare.converged else np.zeros(result.reactions.shape)
+    idle = unloaded_result.reactions if unloaded_result.converged else np.zeros(result.reactions.shape)
     parts = zip(scene.supports, -(result.reactions - idle), strict=True)
-    return tuple(LoadTaker(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
+    return tuple(SupportShare(f"the support at {1e3 * s.at:.6g} mm", part) for s, part in parts)
 
 
 def _contact_wrench_on_screw(result: StaticResult) -> Array:
@@ -471,31 +477,33 @@ def _wrench_about_station(station: float, wrench: Array) -> Array:
 def load_path_text(path: LoadPath) -> str:
     """Return a text with the share of each load component that each support carries; empty if supports carry nothing."""
     out = []
-    for k in np.flatnonzero(path.applied):
-        load, unit = float(path.applied[k]), "N" if k < 3 else "N m"
-        into = [(t.name, float(t.part[k])) for t in path.takers if abs(t.part[k]) > NOTHING * abs(load)]
+    for k in np.flatnonzero(path.applied_load):
+        load, unit = float(path.applied_load[k]), "N" if k < 3 else "N m"
+        into = [
+            (t.name, float(t.carried_load[k])) for t in path.support_shares if abs(t.carried_load[k]) > NOTHING * abs(load)
+        ]
         if into:
             each = ", ".join(f"{part:.5g} {unit} into {name}" for name, part in into)
             out.append(
-                f"of {load:.5g} {unit} {COMPONENTS[k]} {each}, {float(path.contacts[k]):.3g} {unit} through contacts"
+                f"of {load:.5g} {unit} {COMPONENTS[k]} {each}, {float(path.contact_load[k]):.3g} {unit} through contacts"
             )
     return "; ".join(out)
 
 
-def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
+def load_path_warnings(path: LoadPath | None) -> Iterator[ResultWarning]:
     """Yield a warning if supports carry nearly all of the axial load, or nearly all loads on the shaft, past the contacts.
 
     The contact loads then do not represent the applied load. ``path``: shares of the loads on all bodies, or on one body.
     """
     if path is None:
         return
-    size, axial = np.repeat([1.0, 1.0 / path.arm], 3), path.applied[2]
-    given = path.on_shaft != 0.0
-    load = float(np.linalg.norm((path.on_shaft * size)[given]))
-    reached = float(np.linalg.norm((path.contacts * size)[given]))
-    if axial and abs(path.contacts[2]) < LITTLE * abs(axial):
-        on = f" on {path.where}" if path.where else ""
-        what, share = f"the axial load of {axial:.5g} N{on}", abs(path.contacts[2] / axial)
+    size, axial = np.repeat([1.0, 1.0 / path.lever_arm], 3), path.applied_load[2]
+    given = path.load_on_shaft != 0.0
+    load = float(np.linalg.norm((path.load_on_shaft * size)[given]))
+    reached = float(np.linalg.norm((path.contact_load * size)[given]))
+    if axial and abs(path.contact_load[2]) < LITTLE * abs(axial):
+        on = f" on {path.loaded_body}" if path.loaded_body else ""
+        what, share = f"the axial load of {axial:.5g} N{on}", abs(path.contact_load[2] / axial)
     elif load and reached < LITTLE * load:
         what, share = "the loads on the shaft", reached / load
     else:
@@ -505,4 +513,6 @@ def load_path_warnings(path: LoadPath | None) -> Iterator[Warned]:
         f"only {100.0 * share:.2g} % of {what} reaches the contacts, and contact results hold for this share only: {words}"
         "; free the direction in which a support carries the load, unless this is intended"
     )
-    yield Warned("held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports carry the rest")
+    yield ResultWarning(
+        "held load", text, f"only {100.0 * share:.2g} % of {what} reaches the contacts, supports carry the rest"
+    )

@@ -107,17 +107,17 @@ def parse_heading(heading: str) -> Column:
         return Column(plain)
     for start, (name, dimension) in NAMES.items():
         if plain.startswith(start):
-            return _column_in_unit(name, text[len(start) :], dimension)
-    return _column_in_unit("load", text, "force")
+            return _column_from_unit(name, text[len(start) :], dimension)
+    return _column_from_unit("load", text, "force")
 
 
-def _column_in_unit(name: str, text: str, dimension: str) -> Column:
+def _column_from_unit(name: str, unit_text: str, dimension: str) -> Column:
     """Return the quantity of a CSV column and the factor from the unit in its heading to SI units.
 
-    ``name``: name of the quantity; ``text``: rest of the heading, which states the unit; ``dimension``: required dimension
-    of the unit, such as "force". The name of the returned column is empty if the unit has another dimension.
+    ``name``: name of the quantity; ``unit_text``: rest of the heading, which states the unit; ``dimension``: required
+    dimension of the unit, such as "force". The name of the returned column is empty if the unit has another dimension.
     """
-    unit = standard_unit_spelling(text.strip(" _[]()/"))
+    unit = standard_unit_spelling(unit_text.strip(" _[]()/"))
     if name == "uncertainty" and unit in ("%", "percent"):
         return Column("uncertain share", 0.01)
     for spelt in (FOLDED.get(unit.lower(), unit), unit.lower()):
@@ -127,19 +127,19 @@ def _column_in_unit(name: str, text: str, dimension: str) -> Column:
 
 
 @dataclass(frozen=True)
-class GivenLoads:
+class ContactLoadsFromFile:
     """Contact loads of a scene as read from a user's CSV file, with further contact quantities and notes of the file."""
 
     #: Contact loads (n, 4) [N]; zero on flanks without rows in the file.
     load: Array
     #: Flanks that have rows in the file.
-    flanks: tuple[str, ...]
+    flanks_with_rows: tuple[str, ...]
     #: Number of balls that the file numbers in another way than the scene, and which were matched by their positions.
-    renumbered: int = 0
+    renumbered_ball_count: int = 0
     #: Further quantities of each contact, such as pressure, by the names of `FURTHER`, (n, 4) in SI units; nan: empty cell.
-    further: Mapping[str, Array] = field(default_factory=dict)
+    further_quantities: Mapping[str, Array] = field(default_factory=dict)
     #: Headings of the file whose quantity or unit is not known.
-    unknown: tuple[str, ...] = ()
+    unknown_headings: tuple[str, ...] = ()
     #: Notes of the file (lines ``# name: text`` above the headings): text by name.
     notes: Mapping[str, str] = field(default_factory=dict)
 
@@ -179,13 +179,13 @@ class CsvTable:
     """Headings, rows and notes of a user's CSV file."""
 
     #: Headings as written.
-    titles: tuple[str, ...]
+    headings: tuple[str, ...]
     #: Number of the line with the headings.
-    line: int
+    heading_line: int
     #: Whether numbers have a decimal comma.
     decimal_comma: bool
     #: Rows: number of the line in the file, and text of each cell by its heading in lower case.
-    rows: tuple[tuple[int, dict[str, str]], ...]
+    numbered_rows: tuple[tuple[int, dict[str, str]], ...]
     #: Notes (lines ``# name: text`` above the headings): text by name.
     notes: Mapping[str, str]
 
@@ -225,7 +225,7 @@ class CsvTable:
         if not title.strip():
             raise InputError(str(path), first, "nothing", ", ".join(columns), example)
         separator = next((c for c in ";\t" if c in title), ",") if says is None else says[1]
-        rows = _cells_by_line(path, lines[above:], above, separator)
+        rows = _rows_with_line_numbers(path, lines[above:], above, separator)
         titles = tuple(next(rows)[1])
         heads = [head.lower() for head in titles]
         for name in columns:
@@ -237,7 +237,7 @@ class CsvTable:
         kept = []
         for number, row in rows:
             if any(row):
-                _check_cells(path, number, titles, row, separator)
+                _check_cells_have_headings(path, number, titles, row, separator)
                 cells = dict(zip_longest(heads, row[: len(heads)], fillvalue=""))
                 short = next((name for name in columns if heads.index(name.lower()) >= len(row)), None)
                 if short is not None:
@@ -245,44 +245,51 @@ class CsvTable:
                     advice = "complete the row, or check whether the file was truncated"
                     raise InputError(str(path), f"line {number}: {short}", value, allowed, advice)
                 kept.append((number, cells))
-        notes = dict(_note_above_table(line) for line in lines[begin:above])
+        notes = dict(_parse_comment_line(line) for line in lines[begin:above])
         return cls(titles, above + 1, separator != ",", tuple(kept), notes)
 
 
-def _cells_by_line(path: Path, lines: Sequence[str], above: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+def _rows_with_line_numbers(
+    path: Path, lines: Sequence[str], lines_above: int, separator: str
+) -> Iterator[tuple[int, list[str]]]:
     """Yield the rows of a CSV table as pairs: number of the line in the file, texts of the cells.
 
-    ``path``: the file, for error messages; ``lines``: lines of the table; ``above``: number of lines of the file before
-    them; ``separator``: character between two cells. InputError for a quotation mark without its partner.
+    ``path``: the file, for error messages; ``lines``: lines of the table; ``lines_above``: number of lines of the file
+    before them; ``separator``: character between two cells. InputError for a quotation mark without its partner.
     """
     reader = csv.reader(lines, delimiter=separator, strict=True)
     try:
         for row in reader:
-            yield above + reader.line_num, [cell.strip() for cell in row]
+            yield lines_above + reader.line_num, [cell.strip() for cell in row]
     except csv.Error as error:
         advice = "close every quotation mark, or remove them"
-        raise InputError(str(path), f"line {above + reader.line_num}", str(error), "cells of a CSV file", advice) from None
+        raise InputError(
+            str(path), f"line {lines_above + reader.line_num}", str(error), "cells of a CSV file", advice
+        ) from None
 
 
-def _check_cells(path: Path, number: int, titles: Sequence[str], row: Sequence[str], separator: str) -> None:
+def _check_cells_have_headings(
+    path: Path, line_number: int, headings: Sequence[str], cells: Sequence[str], separator: str
+) -> None:
     """Raise InputError if a row of a CSV file has text in a column that has no heading.
 
-    The first column may lack a heading, as spreadsheets write row numbers there. ``path`` and ``number``: file, and number
-    of the line, for the message; ``titles``: headings; ``row``: texts of the cells; ``separator``: character between cells.
+    The first column may lack a heading, as spreadsheets write row numbers there. ``path`` and ``line_number``: file, and
+    number of the line, for the message; ``headings``: headings; ``cells``: texts of the cells; ``separator``: character
+    between cells.
     """
-    if not any(cell and not title for cell, title in [*zip_longest(row, titles, fillvalue="")][1:]):
+    if not any(cell and not title for cell, title in [*zip_longest(cells, headings, fillvalue="")][1:]):
         return
-    value = f"{sum(map(bool, row))} cells: {separator.join(row)}"
+    value = f"{sum(map(bool, cells))} cells: {separator.join(cells)}"
     advice = "give every column a heading, or put a cell that contains the separator into quotation marks"
     if separator == ",":
         advice = (
             "write numbers with a decimal point, or separate cells by semicolons if numbers have a decimal comma; "
             "else give every column a heading"
         )
-    raise InputError(str(path), f"line {number}", value, f"{sum(map(bool, titles))}, one for each heading", advice)
+    raise InputError(str(path), f"line {line_number}", value, f"{sum(map(bool, headings))}, one for each heading", advice)
 
 
-def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> GivenLoads:
+def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filter: Only = EVERY) -> ContactLoadsFromFile:
     """Read contact loads and other contact quantities (angle, pressure, approach) of one load case from a CSV file.
 
     Headings state the units (`parse_heading`). On each flank that the file contains, every ball must have a row, with load
@@ -303,7 +310,7 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
 
     Returns
     -------
-    GivenLoads
+    ContactLoadsFromFile
         Loads and other quantities of each contact.
 
     Raises
@@ -316,19 +323,24 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
     find = None if scene is None or not PLACE.issubset(c.name for c in columns.values()) else _BallFinder(scene)
     values = {name: np.full((ball_count, len(SIDES)), np.nan) for name in ("load", *FURTHER)}
     cases, renumbered = set(), set()
-    for number, row in table.rows:
+    for number, row in table.numbered_rows:
         named = {c.name: (head, c.factor, row.get(head.lower(), "")) for head, c in columns.items()}
-        cells = _LoadsRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
-        if any(cells.word(name) not in words for name, words in row_filter.items()):
-            if empty := [name for name in row_filter if name in named and not cells.word(name)]:
-                raise cells.fault(empty[0], "", f"the {empty[0]} of the row", "fill in the cell, or delete the row")
+        cells = _ContactLoadRow(path, f"line {number}", named, decimal_comma=table.decimal_comma)
+        if any(cells.text_in_column(name) not in words for name, words in row_filter.items()):
+            if empty := [name for name in row_filter if name in named and not cells.text_in_column(name)]:
+                raise cells.cell_error(empty[0], "", f"the {empty[0]} of the row", "fill in the cell, or delete the row")
             continue
-        cases.add(cells.word("case"))
+        cases.add(cells.text_in_column("case"))
         if len(cases) > 1:
             advice = "split the file by load case, or delete the rows of other cases"
-            raise InputError(str(path), f"line {number}: case", cells.word("case"), "one load case in all rows", advice)
-        ball, side = cells.ball(ball_count) if find is None else find.number(cells), cells.side()
-        renumbered |= {ball} if find is not None and cells.word("ball") != str(ball + 1) else set()
+            raise InputError(
+                str(path), f"line {number}: case", cells.text_in_column("case"), "one load case in all rows", advice
+            )
+        ball, side = (
+            cells.ball_index(ball_count) if find is None else find.ball_index_at_position(cells),
+            cells.flank_index(),
+        )
+        renumbered |= {ball} if find is not None and cells.text_in_column("ball") != str(ball + 1) else set()
         if not np.isnan(values["load"][ball, side]):
             value = f"a second row of ball {ball + 1} {SIDES[side]}"
             raise InputError(str(path), f"line {number}", value, "each contact once", "delete one of the rows")
@@ -343,17 +355,23 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
         raise InputError(str(path), which, f"no rows of {value}", f"rows of every {which} of the scene", advice)
     unknown = tuple(f'"{head}"' for head, c in columns.items() if not c.name)
     further = {name: of for name, of in values.items() if name != "load" and name in {c.name for c in columns.values()}}
-    loads = _check_complete_loads(path, values["load"])
+    loads = _complete_contact_loads(path, values["load"])
     for name in further.keys() - {"uncertainty", "uncertain share"}:
         gaps = np.argwhere(np.isnan(further[name]) & (loads.load > 0.0))
         if gaps.size:
             value = f"no {name} of ball {gaps[0][0] + 1} {SIDES[gaps[0][1]]}"
             advice = f"add the missing {name}, or delete the column"
             raise InputError(str(path), "rows", value, f"the {name} of every contact that carries load", advice)
-    return replace(loads, renumbered=len(renumbered), further=further, unknown=unknown, notes=table.notes)
+    return replace(
+        loads,
+        renumbered_ball_count=len(renumbered),
+        further_quantities=further,
+        unknown_headings=unknown,
+        notes=table.notes,
+    )
 
 
-def _note_above_table(line: str) -> tuple[str, str]:
+def _parse_comment_line(line: str) -> tuple[str, str]:
     """Return name and text of a comment line ``# name: text`` of a CSV file, without separators added by a spreadsheet."""
     name, _, text = line.strip("#;, \t").partition(":")
     return name.strip().lower(), text.strip()
@@ -364,56 +382,56 @@ def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
 
     ``path``: the file, for error messages. InputError if no column has contact loads, or if two columns have one quantity.
     """
-    columns = {head: parse_heading(head) for head in table.titles}
-    where, names = f"line {table.line}", [parse_heading(head).name for head in table.titles]
+    columns = {head: parse_heading(head) for head in table.headings}
+    where, names = f"line {table.heading_line}", [parse_heading(head).name for head in table.headings]
     if "load" not in names:
-        raise InputError(str(path), where, ", ".join(table.titles), f"a column {COLUMNS[2]}", EXAMPLE)
-    twice = next((head for k, head in enumerate(table.titles) if names[k] and names[k] in names[:k]), None)
+        raise InputError(str(path), where, ", ".join(table.headings), f"a column {COLUMNS[2]}", EXAMPLE)
+    twice = next((head for k, head in enumerate(table.headings) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
         value = f"a second column of one quantity, {twice}"
         raise InputError(str(path), where, value, "each quantity once", "delete one of the columns")
     return columns
 
 
-class _LoadsRow:
+class _ContactLoadRow:
     """One row of a CSV file with contact loads; cells are read by the name of a column, such as "ball"."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
-    def fault(self, name: str, value: str, allowed: str, advice: str) -> InputError:
+    def cell_error(self, name: str, value: str, allowed: str, advice: str) -> InputError:
         """Return the InputError for a cell of this row that cannot be used.
 
         ``name``: column of the cell; ``value``: its text; ``allowed``: allowed texts or range; ``advice``: what to do.
         """
         return InputError(str(self._path), f"{self._line}: {name}", value or "nothing", allowed, advice)
 
-    def word(self, name: str) -> str:
+    def text_in_column(self, name: str) -> str:
         """Return the text of this row's cell in the column ``name``; empty if the file has no such column."""
         return self._cells_by_line.get(name, ("", 1.0, ""))[2]
 
-    def ball(self, balls: int) -> int:
+    def ball_index(self, balls: int) -> int:
         """Return the index (from 0) of the ball whose number (from 1) is in the row; ``balls``: number of balls."""
-        ball = self.word("ball")
+        ball = self.text_in_column("ball")
         if not (ball.isascii() and ball.isdecimal() and len(ball) < 10 and 1 <= int(ball) <= balls):
             shift = "add 1 to all numbers: " if ball == "0" else "check the number: "
             advice = f"{shift}balls are numbered from 1, all balls of the first thread start first"
-            raise self.fault("ball", ball, f"a ball number from 1 to {balls}", advice)
+            raise self.cell_error("ball", ball, f"a ball number from 1 to {balls}", advice)
         return int(ball) - 1
 
-    def side(self) -> int:
+    def flank_index(self) -> int:
         """Return the index of the flank in the row: 0 to 3 for SL, SR, NL, NR."""
-        flank = self.word("flank")
+        flank = self.text_in_column("flank")
         if flank.upper() not in SIDES:
             advice = "write SL or SR for the left or right flank of the screw, NL or NR for those of the nut"
-            raise self.fault("flank", flank, ", ".join(SIDES), advice)
+            raise self.cell_error("flank", flank, ", ".join(SIDES), advice)
         return SIDES.index(flank.upper())
 
-    def place(self, name: str) -> float:
+    def ball_coordinate(self, name: str) -> float:
         """Return the azimuth [rad] or the axial position [m] of the row's ball; ``name``: "azimuth" or "z"."""
-        value, factor, text = self._number(name)
+        value, factor, text = self._number_factor_and_text(name)
         if not np.isfinite(value):
-            raise self.fault(
+            raise self.cell_error(
                 self._cells_by_line[name][0],
                 text,
                 "a number",
@@ -426,15 +444,17 @@ class _LoadsRow:
 
         InputError if the text of the cell is not a number of at least 0, or if the contact load is missing.
         """
-        value, factor, text = self._number(name)
+        value, factor, text = self._number_factor_and_text(name)
         if not text and name != "load":
             return float("nan")
         if not 0.0 <= value < float("inf"):
             advice = "write a number without unit (the heading states the unit), and 0 for a contact without load"
-            raise self.fault(self._cells_by_line[name][0], text, "a number, at least 0", decimal_comma_advice(advice, text))
+            raise self.cell_error(
+                self._cells_by_line[name][0], text, "a number, at least 0", decimal_comma_advice(advice, text)
+            )
         return value * factor
 
-    def _number(self, name: str) -> tuple[float, float, str]:
+    def _number_factor_and_text(self, name: str) -> tuple[float, float, str]:
         """Return the number in this row's cell of column ``name`` (nan: no number), factor to SI, and text of the cell."""
         _, factor, text = self._cells_by_line.get(name, ("", 1.0, ""))
         return number_in_cell(text, decimal_comma=self._comma), factor, text
@@ -448,9 +468,9 @@ class _BallFinder:
         self._azimuth, self._z = layout.azimuth, layout.z
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius
 
-    def number(self, row: _LoadsRow) -> int:
+    def ball_index_at_position(self, row: _ContactLoadRow) -> int:
         """Return the index of the ball at the position in a row; InputError if no ball centre is within a ball radius."""
-        azimuth, z = row.place("azimuth"), row.place("z")
+        azimuth, z = row.ball_coordinate("azimuth"), row.ball_coordinate("z")
         turn = np.angle(np.exp(1j * (self._azimuth - azimuth)))
         away = np.hypot(self._pitch * turn, self._z - z)
         ball = int(away.argmin())
@@ -461,7 +481,7 @@ class _BallFinder:
                 "use the positions that `solve` with `loads_csv=FILE` writes, or delete both columns to identify balls by "
                 "their numbers"
             )
-            raise row.fault("azimuth, z", place, allowed, advice)
+            raise row.cell_error("azimuth, z", place, allowed, advice)
         return ball
 
 
@@ -519,7 +539,7 @@ def read_csv_text(path: Path) -> str:
         raise InputError(str(path), "file", str(error), allowed, advice) from None
 
 
-def _check_complete_loads(path: Path, load: Array) -> GivenLoads:
+def _complete_contact_loads(path: Path, load: Array) -> ContactLoadsFromFile:
     """Check that contact loads read from a CSV file are complete, and return them as a record.
 
     ``path``: the file, for error messages; ``load``: contact loads of n balls, (n, 4) [N]; nan: no row in the file.
@@ -536,4 +556,4 @@ def _check_complete_loads(path: Path, load: Array) -> GivenLoads:
         advice = "write 0 for a contact that carries nothing, or delete all rows of the flank"
         raise InputError(str(path), "rows", value, "a row for every ball on each flank of the file", advice)
     flanks = tuple(SIDES[k] for k in np.flatnonzero(named))
-    return GivenLoads(np.where(given, load, 0.0), flanks)
+    return ContactLoadsFromFile(np.where(given, load, 0.0), flanks)

@@ -8,10 +8,10 @@ estimated by a fit without the scene.
 
 This method is the leave-one-out jackknife. No theorem guarantees which share of new scenes lies below the expected error
 (Barber, Candes, Ramdas and Tibshirani 2021: for an unstable fit it may be none), and the scenes of users are not drawn from
-the distribution of the compared scenes. The share is therefore counted: `leave_one_out` estimates every compared scene from
-the others. In each quantity of the models lin and refined, at least nine of ten errors were below the estimate (table
-ladder-estimate of the report; tests/unit/models/test_covered.py). A scene outside the range of the compared scenes in any
-feature is "not covered".
+the distribution of the compared scenes. The share is therefore counted: `leave_one_out_errors` estimates every compared
+scene from the others. In each quantity of the models lin and refined, at least nine of ten errors were below the estimate
+(table ladder-estimate of the report; tests/unit/models/test_covered.py). A scene outside the range of the compared scenes
+in any feature is "not covered".
 
 `rollbench report` stores the errors on the built-in scenes in model_form.json; those on random screws are in
 survey.json.
@@ -35,10 +35,10 @@ import numpy as np
 
 from rollbench.compare import files
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.applicability import descriptors_outside_range, records_of_drawn_screws
+from rollbench.compare.models.applicability import descriptors_outside_range, survey_records_of_random_screws
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.models.user_models import NOT_COMPARED, WORDS
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -48,15 +48,15 @@ from rollbench.meshes.quantity import QuantityDescription, quantity_field, resul
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.comparison import Loads
+    from rollbench.compare.models.comparison import ContactSolution
     from rollbench.compare.reference.store import Run
 
 #: File with the errors on built-in scenes, in a folder of 3D reference runs.
 FILE = "model_form.json"
 
-#: Fields of `ModelForm` with the errors that are estimated, each separately: largest and RMS error of the contact loads (in
-#: per cent of the mean load), errors of axial displacement and tangent rigidity of the cross-section on which the axial
-#: load acts, error of the largest pressure.
+#: Fields of `ExpectedModelErrors` with the errors that are estimated, each separately: largest and RMS error of the contact
+#: loads (in per cent of the mean load), errors of axial displacement and tangent rigidity of the cross-section on which the
+#: axial load acts, error of the largest pressure.
 QUANTITIES = ("percent", "rms_percent", "displacement_percent", "rigidity_percent", "pressure_percent")
 
 #: Share of compared scenes whose error is below their expected error, each estimated from the other scenes.
@@ -106,7 +106,7 @@ WITH_FLANGE = SCALES | {FLANGE: ("nut fixed at its flange", 1.0)}
 
 
 @result_record
-class ModelForm:
+class ExpectedModelErrors:
     """Expected error of a model for one scene, estimated from its errors against the 3D reference on other scenes.
 
     Percentages are None if no similar scene was compared: the scene is then "not covered".
@@ -151,7 +151,7 @@ class ModelForm:
 
 
 @dataclass(frozen=True)
-class Point:
+class MeasuredModelErrors:
     """Measured errors [%] of a low-order model against the 3D reference on one scene, and the features of the scene.
 
     Errors that were not measured are None.
@@ -217,7 +217,7 @@ def features_of_scene(scene: Scene, result: StaticResult) -> dict[str, float]:
     main = load[:, [0, 3]] if load[:, 0].sum() >= load[:, 1].sum() else load[:, [1, 2]]
     mean, total = float(main.mean()), max(float(load.sum()), 1e-300)
     touching = load > 0.0
-    size = float(error_free_hertz(scene).C_a.mean()) * float(np.cbrt(mean))
+    size = float(hertz_without_errors(scene).C_a.mean()) * float(np.cbrt(mean))
     z, half, radius = layout.z - scene.nut.position, scene.nut.length / 2.0, scene.balls.radius
     across, tilting = lateral_force_and_tilting_moment(scene, result)
     return {
@@ -241,7 +241,7 @@ def features_of_scene(scene: Scene, result: StaticResult) -> dict[str, float]:
         "nut": scene.nut.groove_radius / (2.0 * radius),
         "turn": _median(np.diff(np.sort(layout.azimuth))) if scene.ball_count > 1 else 2.0 * np.pi,
         "few": 1.0 / scene.ball_count,
-        **({FLANGE: 1.0} if held_by_flange(scene) else {}),
+        **({FLANGE: 1.0} if is_nut_fixed_at_flange(scene) else {}),
     }
 
 
@@ -254,66 +254,71 @@ def _median(values: Array) -> float:
     return float(0.5 * (ordered[(ordered.size - 1) // 2] + ordered[ordered.size // 2]))
 
 
-def _scaled_features(values: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
+def _scaled_features(features: dict[str, float], scales: Mapping[str, tuple[str, float]]) -> Array:
     """Return the k features of a scene as an array (k,), each divided by its scale; a missing feature counts as zero.
 
-    ``values``: features by name; ``scales``: definition and scale of each feature by its name, as in `SCALES`.
+    ``features``: features by name; ``scales``: definition and scale of each feature by its name, as in `SCALES`.
     """
-    return np.array([values.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
+    return np.array([features.get(name, 0.0) / unit for name, (_, unit) in scales.items()])
 
 
-def save_model_errors(store: Path, points: Sequence[Point]) -> None:
-    """Write the measured errors ``points`` of models on compared scenes to the file `FILE` in the folder ``store``."""
-    text = json.dumps([asdict(p) for p in points], indent=1, sort_keys=True) + "\n"
+def save_model_errors(folder: Path, measured_errors: Sequence[MeasuredModelErrors]) -> None:
+    """Write measured errors of models on compared scenes to the file `FILE` in a folder."""
+    text = json.dumps([asdict(p) for p in measured_errors], indent=1, sort_keys=True) + "\n"
     from rollbench.compare.files import replace_file
 
-    replace_file(store / FILE, text)
+    replace_file(folder / FILE, text)
 
 
 @cache
-def errors_on_compared_scenes() -> tuple[Point, ...]:
+def model_errors_on_compared_scenes() -> tuple[MeasuredModelErrors, ...]:
     """Return the measured errors of the models on the built-in scenes, then on the randomly drawn screws.
 
     They are read from files that are included with rollbench; a missing or damaged file contributes nothing.
     """
-    return (*_model_errors_from_json(lambda: json.loads(files.text(f"references/{FILE}"))), *errors_on_drawn_screws())
+    return (
+        *_measured_errors_from_json(lambda: json.loads(files.shipped_text(f"references/{FILE}"))),
+        *model_errors_on_random_screws(),
+    )
 
 
 @cache
-def errors_on_drawn_screws() -> tuple[Point, ...]:
+def model_errors_on_random_screws() -> tuple[MeasuredModelErrors, ...]:
     """Return the stored errors of the models on the randomly drawn screws; empty if their file is missing or damaged."""
-    return _model_errors_from_json(lambda: [point for scene in records_of_drawn_screws() for point in scene["points"]])
+    return _measured_errors_from_json(
+        lambda: [point for scene in survey_records_of_random_screws() for point in scene["points"]]
+    )
 
 
-def _model_errors_from_json(rows: Callable[[], Iterable[dict[str, Any]]]) -> tuple[Point, ...]:
+def _measured_errors_from_json(read_records: Callable[[], Iterable[dict[str, Any]]]) -> tuple[MeasuredModelErrors, ...]:
     """Return the measured errors of models on scenes from JSON records; empty if the records cannot be read.
 
-    ``rows``: function that reads the records, each with the fields of `Point`.
+    ``read_records``: function that reads the records, each with the fields of `Point`.
     """
     try:
-        points = tuple(Point(**row) for row in rows())
+        points = tuple(MeasuredModelErrors(**row) for row in read_records())
         return tuple(p for p in points if set(p.features) - {FLANGE} == set(SCALES))
     except (OSError, ValueError, TypeError, KeyError):
         return ()
 
 
-def why_kind_not_compared(scene: Scene) -> str:
+def why_no_similar_scene_was_compared(scene: Scene) -> str:
     """Return why no scene like this one was compared with the 3D reference (such as a rigid nut); empty if some were."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid; the nuts of all compared scenes are elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
         return "its screw is rigid; the screws of all compared scenes with a lead are elastic"
-    if scene.nut.flange is not None and not held_by_flange(scene):
+    if scene.nut.flange is not None and not is_nut_fixed_at_flange(scene):
         return "its nut has a flange but is not fixed at it; flanged nuts of compared scenes are"
     return ""
 
 
-def held_by_flange(scene: Scene) -> bool:
+def is_nut_fixed_at_flange(scene: Scene) -> bool:
     """Return whether the nut of the scene has a flange and is fixed at the face of the flange."""
     return scene.nut.flange is not None and scene.solid.nut_held in (None, "flange face")
 
 
-def error_bound(known: Array, errors: Array, here: Array, least: float) -> float:
+def error_bound(compared_features: Array, errors: Array, scene_features: Array, least_error: float) -> float:
     """Return an upper bound [%] of a model's error on a scene, estimated from its errors on compared scenes.
 
     The logarithm of the bound is the linear fit of the logarithms of the errors, plus the quantile `SHARE` of the
@@ -321,24 +326,28 @@ def error_bound(known: Array, errors: Array, here: Array, least: float) -> float
 
     Parameters
     ----------
-    known
+    compared_features
         The k features of the n compared scenes, each divided by its scale, (n, k).
     errors
         Errors of the model on these scenes, (n,) [%].
-    here
+    scene_features
         The k features of the scene, each divided by its scale, (k,).
-    least
+    least_error
         Least error [%], to which smaller errors are raised before their logarithm is taken.
     """
-    A = np.column_stack([np.ones(len(known)), known - known.mean(axis=0)])
-    y = np.log(np.maximum(np.abs(errors), least))
-    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(known.shape[1])]), A.T)
+    A = np.column_stack([np.ones(len(compared_features)), compared_features - compared_features.mean(axis=0)])
+    y = np.log(np.maximum(np.abs(errors), least_error))
+    solve = np.linalg.solve(A.T @ A + RIDGE * np.diag([0.0, *np.ones(compared_features.shape[1])]), A.T)
     off = (y - A @ (solve @ y)) / (1.0 - np.einsum("ij,ji->i", A, solve))  # of a fit without the scene
     rank = min(int(np.ceil((len(y) + 1) * SHARE)), len(y))
-    return float(np.exp(np.array([1.0, *(here - known.mean(axis=0))]) @ (solve @ y) + np.sort(off)[rank - 1]))
+    return float(
+        np.exp(np.array([1.0, *(scene_features - compared_features.mean(axis=0))]) @ (solve @ y) + np.sort(off)[rank - 1])
+    )
 
 
-def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
+def estimate_model_error(
+    scene: Scene, result: StaticResult, measured_errors: Iterable[MeasuredModelErrors] | None = None
+) -> ExpectedModelErrors:
     """Estimate the error of a model's result for a scene, from the model's errors against the 3D reference on other scenes.
 
     The estimate does not cover models that were not compared with the 3D reference (Mei's, those of users), kinds of scenes
@@ -350,28 +359,30 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
         Scene with one nut or bearing row.
     result
         Converged result of the model for the scene.
-    points
+    measured_errors
         Measured errors of models on compared scenes; None: those included with rollbench.
 
     Returns
     -------
-    ModelForm
+    ExpectedModelErrors
         The estimate, without percentages where it is not covered.
     """
     if result.model not in MODELS:
-        return ModelForm(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
+        return ExpectedModelErrors(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
     compared = [
-        p for p in (errors_on_compared_scenes() if points is None else points) if p.model == (model.errors_of or model.name)
+        p
+        for p in (model_errors_on_compared_scenes() if measured_errors is None else measured_errors)
+        if p.model == (model.model_with_same_errors or model.name)
     ]
-    flanged = held_by_flange(scene)
+    flanged = is_nut_fixed_at_flange(scene)
     scales = WITH_FLANGE if flanged else SCALES
     like = [p for p in compared if (p.features["lead"] == 0.0) == ring and (flanged or FLANGE not in p.features)]
-    words: tuple[str, ...] = (model.words,)
+    words: tuple[str, ...] = (model.elasticity_text,)
 
-    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
-        return ModelForm(None, None, away, nearest, len(like), (*words, why))
+    def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedModelErrors:
+        return ExpectedModelErrors(None, None, away, nearest, len(like), (*words, why))
 
     if not (result.load > 0.0).any():
         return estimate_not_covered("no contact carries load, so that errors in per cent of the mean load are not defined")
@@ -381,7 +392,7 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
         return estimate_not_covered(f"not comparable: {error}")
     if not compared:
         return estimate_not_covered("no scene was compared with the 3D reference")
-    other = why_kind_not_compared(scene)
+    other = why_no_similar_scene_was_compared(scene)
     if not other and sum(not flanged or FLANGE in p.features for p in like) < FEWEST:
         what = "bearings" if ring else "nuts held by a flange" if flanged else "screws"
         other = f"too few {what} were compared with the 3D reference"
@@ -390,68 +401,79 @@ def estimate_model_error(scene: Scene, result: StaticResult, points: Iterable[Po
     known = np.array([_scaled_features(p.features, scales) for p in like])
     away = np.hypot.reduce(known - place, axis=1)  # hypot: does not overflow for a moment with nearly zero loads
     nearest = like[int(away.argmin())].scene
-    unlike = [*descriptors_outside_range(scene), *_features_beyond_compared(known, place)]
+    unlike = [*descriptors_outside_range(scene), *_definitions_of_features_outside_range(known, place)]
     if unlike:
         return estimate_not_covered(
             f"outside the range of the compared scenes: {'; '.join(unlike)}", float(away.min()), nearest
         )
-    return ModelForm(
+    return ExpectedModelErrors(
         distance=float(away.min()), nearest=nearest, compared=len(like), words=words, **_expected_errors(like, known, place)
     )
 
 
-def _features_beyond_compared(known: Array, here: Array) -> list[str]:
+def _definitions_of_features_outside_range(compared_features: Array, scene_features: Array) -> list[str]:
     """Return, as text, the definition of each feature in which a scene lies outside the range of the compared scenes.
 
-    ``here``: the k features of the scene, each divided by its scale, (k,); ``known``: those of the n compared scenes, (n,
-    k). A scene is outside if it exceeds the range by more than `MARGIN`.
+    ``scene_features``: the k features of the scene, each divided by its scale, (k,); ``compared_features``: those of the n
+    compared scenes, (n, k). A scene is outside if it exceeds the range by more than `MARGIN`.
     """
-    far = np.maximum(known.min(axis=0) - here, here - known.max(axis=0)) > MARGIN
+    far = (
+        np.maximum(compared_features.min(axis=0) - scene_features, scene_features - compared_features.max(axis=0)) > MARGIN
+    )
     return [what for (what, _), beyond in zip(WITH_FLANGE.values(), far, strict=False) if beyond]
 
 
-def _expected_errors(similar: Sequence[Point], known: Array, features_here: Array) -> dict[str, float | None]:
+def _expected_errors(
+    errors_on_similar_scenes: Sequence[MeasuredModelErrors], similar_features: Array, scene_features: Array
+) -> dict[str, float | None]:
     """Return the expected error [%] of each quantity in `QUANTITIES` on a scene, from the errors on n similar scenes.
 
-    ``similar``: measured errors on these scenes; ``known``: their k features, each divided by its scale, (n, k);
-    ``features_here``: those of the scene, (k,). An expected error is None if too few similar scenes have an error of it.
+    ``errors_on_similar_scenes``: measured errors on these scenes; ``similar_features``: their k features, each divided by
+    its scale, (n, k); ``scene_features``: those of the scene, (k,). An expected error is None if too few similar scenes
+    have an error of it.
     """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:
-        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in similar], dtype=float)
+        errors = np.array([np.nan if (e := getattr(p, name)) is None else e for p in errors_on_similar_scenes], dtype=float)
         finite = np.isfinite(errors)
         enough = finite.sum() >= FEWEST
-        out[name] = error_bound(known[finite], errors[finite], features_here, LEAST[name]) if enough else None
+        out[name] = error_bound(similar_features[finite], errors[finite], scene_features, LEAST[name]) if enough else None
     return out
 
 
 @dataclass(frozen=True)
-class LeftOutScene:
+class MeasuredAndExpectedErrors:
     """Errors of a model on one compared scene: as measured, and as estimated from all other compared scenes."""
 
     #: Measured errors of a model on the scene.
-    point: Point
+    point: MeasuredModelErrors
     #: Expected errors [%] by name of the quantity (`QUANTITIES`); None if the scene is outside the range of the others.
     expected: dict[str, float | None] | None
 
 
-def leave_one_out(points: Sequence[Point], model: str) -> list[LeftOutScene]:
+def leave_one_out_errors(measured_errors: Sequence[MeasuredModelErrors], model: str) -> list[MeasuredAndExpectedErrors]:
     """Estimate the error of a model on each compared screw from its errors on all other compared screws.
 
-    ``points``: measured errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not fixed at
-    a flange are estimated only from other screws whose nut is not fixed at a flange.
+    ``measured_errors``: measured errors of models on compared scenes; ``model``: name of the model. Screws whose nut is not
+    fixed at a flange are estimated only from other screws whose nut is not fixed at a flange.
     """
     out = []
     for flange, scales in ((False, SCALES), (True, WITH_FLANGE)):
-        like = [p for p in points if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)]
+        like = [
+            p
+            for p in measured_errors
+            if p.model == model and p.features["lead"] > 0.0 and (flange or FLANGE not in p.features)
+        ]
         known = np.array([_scaled_features(p.features, scales) for p in like])
         for k, point in enumerate(like):
             if (FLANGE in point.features) == flange:
                 others, rest = [p for p in like if p is not point], np.delete(known, k, axis=0)
                 out.append(
-                    LeftOutScene(
+                    MeasuredAndExpectedErrors(
                         point,
-                        None if _features_beyond_compared(rest, known[k]) else _expected_errors(others, rest, known[k]),
+                        None
+                        if _definitions_of_features_outside_range(rest, known[k])
+                        else _expected_errors(others, rest, known[k]),
                     )
                 )
     return out
@@ -462,16 +484,16 @@ Raised: TypeAlias = "tuple[Scene, StaticResult, Run]"
 
 
 @dataclass(frozen=True)
-class SectionAnswer:
+class LoadedSectionState:
     """Axial displacement of the screw's cross-section on which the axial load acts, and axial force on the nut."""
 
     #: Axial displacement of the cross-section [m].
-    moved: float
+    axial_displacement: float
     #: Axial force of the screw on the nut [N].
-    force: float
+    axial_force: float
 
 
-def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
+def state_of_loaded_section(scene: Scene, solution: ContactSolution) -> LoadedSectionState:
     """Return the axial displacement of the screw's cross-section under the axial load, and the axial force on the nut.
 
     The cross-section is where the largest axial load acts, or the nut's centre if the scene has no loads.
@@ -480,27 +502,27 @@ def loaded_section_state(scene: Scene, answer: Loads) -> SectionAnswer:
     ----------
     scene
         Scene with one nut or bearing row.
-    answer
+    solution
         Contact loads and displacements by a model or a run of the 3D reference.
 
     Returns
     -------
-    SectionAnswer
+    LoadedSectionState
         Axial displacement of this cross-section [m] and axial force on the nut [N].
     """
     place = max(scene.loads, key=lambda load: abs(load.force[2])).at if scene.loads else scene.nut.position
-    moved = float(np.interp(place, answer.stations, answer.line[:, 2]))
-    return SectionAnswer(moved, axial_contact_force(scene, answer.load, np.radians(answer.angle)))
+    moved = float(np.interp(place, solution.stations, solution.line[:, 2]))
+    return LoadedSectionState(moved, axial_contact_force(scene, solution.load, np.radians(solution.angle)))
 
 
-def rigidity_between(answers: Sequence[SectionAnswer]) -> float | None:
+def axial_rigidity_between_states(load_states: Sequence[LoadedSectionState]) -> float | None:
     """Return the axial rigidity [N/m] between two load states: change of force over change of displacement.
 
-    ``answers``: force and displacement in the first and the second state. None if the displacement does not change.
+    ``load_states``: force and displacement in the first and the second state. None if the displacement does not change.
     """
-    first, second = answers
-    step = second.moved - first.moved
-    return (second.force - first.force) / step if step != 0.0 else None
+    first, second = load_states
+    step = second.axial_displacement - first.axial_displacement
+    return (second.axial_force - first.axial_force) / step if step != 0.0 else None
 
 
 def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
@@ -509,7 +531,9 @@ def axial_contact_force(scene: Scene, load: Array, angle: Array) -> float:
     return float(along[0] - along[1])
 
 
-def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run, raised: Raised | None = None) -> Point:
+def measure_model_error(
+    name: str, scene: Scene, result: StaticResult, run: Run, increased_load_case: Raised | None = None
+) -> MeasuredModelErrors:
     """Measure the errors of a model on a scene against a run of the 3D reference.
 
     Parameters
@@ -522,7 +546,7 @@ def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run,
         Result of the model.
     run
         Run of the 3D reference.
-    raised
+    increased_load_case
         The same scene under increased loads, with the model's result and the 3D run for it. The rigidities of model and 3D
         reference follow from the differences between both load states; None: the rigidity is not compared.
 
@@ -532,27 +556,27 @@ def measure_model_error(name: str, scene: Scene, result: StaticResult, run: Run,
         Errors of the model, with the features of the scene.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    from rollbench.compare.models.comparison import loads_from_result, loads_from_run
+    from rollbench.compare.models.comparison import solution_from_result, solution_from_run
 
     answer, reference = (
-        loaded_section_state(scene, loads_from_result(result)),
-        loaded_section_state(scene, loads_from_run(run, "")),
+        state_of_loaded_section(scene, solution_from_result(result)),
+        state_of_loaded_section(scene, solution_from_run(run, "")),
     )
     stiff: tuple[float | None, float | None] = (None, None)
-    if raised is not None:
-        heavier, modelled, computed = raised
+    if increased_load_case is not None:
+        heavier, modelled, computed = increased_load_case
         stiff = (
-            rigidity_between((answer, loaded_section_state(heavier, loads_from_result(modelled)))),
-            rigidity_between((reference, loaded_section_state(heavier, loads_from_run(computed, "")))),
+            axial_rigidity_between_states((answer, state_of_loaded_section(heavier, solution_from_result(modelled)))),
+            axial_rigidity_between_states((reference, state_of_loaded_section(heavier, solution_from_run(computed, "")))),
         )
     heaviest = run.load.max()
-    return Point(
+    return MeasuredModelErrors(
         name,
         result.model,
         round(error.max_percent, 4),
         round(error.rms_percent, 4),
         {name: round(value, 4) for name, value in features_of_scene(scene, result).items()},
-        error_percent_or_none(answer.moved, reference.moved),
+        error_percent_or_none(answer.axial_displacement, reference.axial_displacement),
         error_percent_or_none(*stiff),
         error_percent_or_none(np.cbrt(result.load.max() / heaviest), 1.0) if heaviest > 0.0 else None,  # Hertz
         gate_percent=round(error.gate_percent, 4),

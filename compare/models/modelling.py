@@ -22,14 +22,19 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies
-from rollbench.compare.models.model_form import Point, errors_on_drawn_screws, leave_one_out, measure_model_error
-from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.model_form import (
+    MeasuredModelErrors,
+    leave_one_out_errors,
+    measure_model_error,
+    model_errors_on_random_screws,
+)
+from rollbench.compare.models.registry import DEFAULT, MODELS, ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
-from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_twisted_supports
-from rollbench.compare.reference.store import Run, load_run
-from rollbench.compare.scenes.catalogue import names_with_role
-from rollbench.lowfi.compliance.bodies import PARTS, Condensed
+from rollbench.compare.reference.levels import TWIST, VARIANTS, Kind, with_supports_turned_by_coupling
+from rollbench.compare.reference.store import Run, load_stored_run
+from rollbench.compare.scenes.catalogue import names_of_scenes_with_role
+from rollbench.lowfi.compliance.bodies import PARTS, CondensedCompliance
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.result import StaticResult
@@ -47,7 +52,7 @@ SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "
 
 
 @dataclass(frozen=True)
-class Effect:
+class ModellingChoiceEffect:
     """Effect of one changed modelling choice (such as an idealisation) of the 3D reference on a scene's contact loads."""
 
     #: Name of the scene.
@@ -69,7 +74,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class Modelling:
+class ModellingUncertainty:
     """Modelling uncertainty of the 3D reference on one scene, from the effects of its modelling choices.
 
     Modelling choices are idealisations, and dimensions that the scene's publication does not print. Their effects are
@@ -90,16 +95,16 @@ class Modelling:
     choices: dict[str, float]
 
 
-def unchanged_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
+def run_without_changed_choices(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the stored 3D run of a scene on a mesh level without changed modelling choices; None if none is stored.
 
     Runs with a changed choice are compared with it. ``stores``: folders with runs; None: that included with rollbench. The
     result is the run of the variant ``base`` if one is stored, else the regular run.
     """
-    return load_run(scene, level, "base", stores) or load_run(scene, level, stores=stores)
+    return load_stored_run(scene, level, "base", stores) or load_stored_run(scene, level, stores=stores)
 
 
-def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
+def effects_of_changed_choices(scene: Scene, stores: Sequence[Path] | None = None) -> list[ModellingChoiceEffect]:
     """Return the effects of changed modelling choices of the 3D reference on a scene, from stored runs that converged.
 
     ``stores``: folders with runs; None: that included with rollbench. Outside the 3D part of the shaft, the 3D reference
@@ -108,22 +113,29 @@ def effects_of_variants(scene: Scene, stores: Sequence[Path] | None = None) -> l
     """
     out = []
     for name, variant in VARIANTS.items():
-        run, against = load_run(scene, variant.level, name, stores), unchanged_run(scene, variant.level, stores)
+        run, against = (
+            load_stored_run(scene, variant.level, name, stores),
+            run_without_changed_choices(scene, variant.level, stores),
+        )
         if name == "base":  # effect of the settings that the base run itself changes, against the scene's regular run
-            against = load_run(scene, variant.level, stores=stores)
+            against = load_stored_run(scene, variant.level, stores=stores)
         if run is not None and against is not None and run.status == "converged":
             out.append(
-                effect_of_variant(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load)
+                effect_of_changed_choice(
+                    scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load
+                )
             )
     if not out:
         return []
-    options = Options(discretisation=False)
-    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, with_twisted_supports(scene)))
+    options = ModelOptions(estimate_beam_mesh_error=False)
+    straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, with_supports_turned_by_coupling(scene)))
     label = "supports rotated by the largest twist that the reference neglects, by the refined model"
-    return [*out, effect_of_variant(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
+    return [*out, effect_of_changed_choice(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]
 
 
-def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, base: Array) -> Effect:
+def effect_of_changed_choice(
+    scene: str, variant: str, label: str, choice: str, kind: Kind, changed: Array, unchanged: Array
+) -> ModellingChoiceEffect:
     """Compute by how much a changed modelling choice of the 3D reference changes the contact loads of a scene.
 
     Parameters
@@ -132,7 +144,7 @@ def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: K
         Fields of the returned `Effect`.
     changed
         Contact loads of n balls by the 3D run with the changed choice, (n, 4) [N].
-    base
+    unchanged
         Contact loads by the unchanged 3D run, (n, 4) [N].
 
     Returns
@@ -140,14 +152,14 @@ def effect_of_variant(scene: str, variant: str, label: str, choice: str, kind: K
     Effect
         Changes of the contact loads, in per cent of the mean load of the unchanged run.
     """
-    change = np.asarray(error_percent(changed, base, mean_load(base)))
+    change = np.asarray(error_percent(changed, unchanged, mean_load(unchanged)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        before, after = (float(x[:, 0].max() / x[:, 0].min()) for x in (base, changed))
+        before, after = (float(x[:, 0].max() / x[:, 0].min()) for x in (unchanged, changed))
     ratio = float(error_percent(after, before)) if np.isfinite([before, after]).all() else float("nan")
-    return Effect(scene, variant, label, choice, kind, change, load_error(changed, base), ratio)
+    return ModellingChoiceEffect(scene, variant, label, choice, kind, change, load_error(changed, unchanged), ratio)
 
 
-def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
+def combined_modelling_uncertainty(scene: Scene, effects: Sequence[ModellingChoiceEffect]) -> ModellingUncertainty | None:
     """Return the modelling uncertainty of the 3D reference on a scene: root of the sum of squares of all effects.
 
     ``effects``: effects of changed modelling choices; those on other scenes are ignored. None if no choice was varied on
@@ -156,7 +168,7 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
     of_scene = [e for e in effects if e.kind == "modelling" and e.scene == scene.name]
     if all(e.variant == "coupling" for e in of_scene):
         return None
-    by_choice: dict[str, list[Effect]] = {}
+    by_choice: dict[str, list[ModellingChoiceEffect]] = {}
     for e in of_scene:
         by_choice.setdefault(e.choice, []).append(e)
     worst = {choice: np.abs([e.change for e in group]).max(axis=0) for choice, group in by_choice.items()}
@@ -164,7 +176,7 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
     contacts = np.sqrt(sum(x * x for x in worst.values()))
     loaded = contacts > 0.0
     order = sorted(worst, key=lambda c: -float((worst[c] ** 2).mean()))
-    return Modelling(
+    return ModellingUncertainty(
         scene.name,
         contacts,
         float(contacts.max()),
@@ -174,7 +186,7 @@ def combine_effects(scene: Scene, effects: Sequence[Effect]) -> Modelling | None
     )
 
 
-def largest_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modelling]) -> float | None:
+def applicable_modelling_uncertainty(scene: str, by_scene: Mapping[str, ModellingUncertainty]) -> float | None:
     """Return the modelling uncertainty of the 3D reference that applies to the scene named ``scene`` [% of the mean load].
 
     It is the largest one of a contact load, on the scene with the same parts on which choices were varied; None without
@@ -185,7 +197,7 @@ def largest_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modelling])
 
 
 #: Screws and a bearing that were not used while the refined model was developed.
-UNSEEN = names_with_role("unseen")
+UNSEEN = names_of_scenes_with_role("unseen")
 
 #: Scenes whose 3D reference has an uncertainty above 0.3 % on four mesh levels, because lightly loaded contacts lie next to
 #: heavily loaded ones.
@@ -193,11 +205,11 @@ DEEP = ("two-balls", "unseen-25x5")
 
 #: Models of the refinement sequence, each of which refines the one before it: from the model of Lin's thesis to the refined
 #: model and the model "condensed".
-RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
+RUNGS = tuple(sorted((m for m in MODELS.values() if m.refinement_step), key=lambda m: m.refinement_step or (0, "")))
 
 
 @dataclass(frozen=True)
-class Rung:
+class RefinementStepResult:
     """Result of one model of the refinement sequence (from Lin's to the refined model) on a scene, with its errors."""
 
     #: Name of the scene.
@@ -207,35 +219,37 @@ class Rung:
     #: Result of the model.
     result: StaticResult
     #: Errors of the contact loads against the 3D reference.
-    error: LoadError
+    load_error: LoadError
     #: Uncertainty of the most uncertain contact load of the 3D reference [% of the mean load].
-    uncertainty: float | None
+    reference_uncertainty: float | None
     #: Relative difference of the sum of the contact loads from that of the 3D reference [%].
-    bias: float
+    load_sum_difference: float
     #: Computing time in plain Python, without cached results of the same geometry and without import of libraries [s].
     seconds: float
 
 
-def solve_refinement_sequence(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> list[Rung]:
+def solve_refinement_sequence(
+    scene: Scene, reference: Reference, stores: Sequence[Path] | None
+) -> list[RefinementStepResult]:
     """Solve a scene with every model of the refinement sequence (`RUNGS`), and compare the loads with the 3D reference.
 
     The model "condensed" is left out if the condensed screw and nut are in none of the folders ``stores``.
     """
     rungs = []
     for model in RUNGS:
-        options = Options(discretisation=False, engine="interpreted")
+        options = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
         if model.name == "condensed":
             path = path_of_condensed_bodies(scene, reference, stores)
             if path is None:
                 continue
-            options = replace(options, condensed=path)
+            options = replace(options, condensed_bodies_file=path)
         clear_compliance_caches()
         start = perf_counter()
         result = run_model(scene, model.name, options)
         seconds = perf_counter() - start
         bias = float(error_percent(result.load.sum(), reference.load.sum()))
         rungs.append(
-            Rung(
+            RefinementStepResult(
                 scene.name,
                 model.name,
                 result,
@@ -249,29 +263,29 @@ def solve_refinement_sequence(scene: Scene, reference: Reference, stores: Sequen
 
 
 @dataclass(frozen=True)
-class BodyShareErrors:
+class ErrorsByReplacedBody:
     """Errors of the refined model on one scene when its screw, nut or both have the stiffness of the finest 3D run."""
 
     #: Name of the scene.
     scene: str
     #: Errors of the contact loads, by the bodies that have the 3D stiffness: (), ("screw",), ("nut",) or both.
-    errors: dict[tuple[str, ...], LoadError]
+    load_errors: dict[tuple[str, ...], LoadError]
     #: Relative difference of the sum of the contact loads from that of the 3D reference [%], by the same bodies.
-    bias: dict[tuple[str, ...], float]
+    load_sum_difference: dict[tuple[str, ...], float]
 
 
-def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
+def errors_by_replaced_body(cache: SceneResultCache) -> list[ErrorsByReplacedBody]:
     """Compute the errors of the refined model with the 3D stiffness of the screw, of the nut, of both or of none of them.
 
     All built-in scenes with a stored 3D reference and condensed bodies are solved.
     """
     out = []
-    for name, reference in study.references((*REFERENCED, *UNSEEN)).items():
-        scene = study.scene(name)
-        path = path_of_condensed_bodies(scene, reference, study.stores)
+    for name, reference in cache.stored_references((*REFERENCED, *UNSEEN)).items():
+        scene = cache.built_in_scene(name)
+        path = path_of_condensed_bodies(scene, reference, cache.reference_folders)
         if path is None:
             continue
-        whole = Condensed.read(path, scene)
+        whole = CondensedCompliance.read_checked(path, scene)
         errors: dict[tuple[str, ...], LoadError] = {}
         bias: dict[tuple[str, ...], float] = {}
         every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
@@ -279,42 +293,52 @@ def errors_by_replaced_body(study: Study) -> list[BodyShareErrors]:
             result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
             errors[parts] = load_error(result.load, reference.load, reference.contacts)
             bias[parts] = float(error_percent(result.load.sum(), reference.load.sum()))
-        out.append(BodyShareErrors(name, errors, bias))
+        out.append(ErrorsByReplacedBody(name, errors, bias))
     return out
 
 
-def ladder(study: Study) -> list[Rung]:
+def ladder(cache: SceneResultCache) -> list[RefinementStepResult]:
     """Solve every scene that has a stored 3D reference with every model of the refinement sequence.
 
-    ``study``: cache of scenes, results and 3D references, which also keeps the results.
+    ``cache``: cache of scenes, results and 3D references, which also keeps the results.
     """
-    references = study.references((*REFERENCED, *UNSEEN))
+    references = cache.stored_references((*REFERENCED, *UNSEEN))
     rungs = [
-        rung for name, ref in references.items() for rung in solve_refinement_sequence(study.scene(name), ref, study.stores)
+        rung
+        for name, ref in references.items()
+        for rung in solve_refinement_sequence(cache.built_in_scene(name), ref, cache.reference_folders)
     ]
     for rung in rungs:
         if rung.model != "condensed":  # its result also depends on a file, which is not part of the key
-            study.results[study.scene(rung.scene), rung.model, 0] = rung.result
+            cache.static_results[cache.built_in_scene(rung.scene), rung.model, 0] = rung.result
     return rungs
 
 
-def model_errors_on_shipped_scenes(study: Study, rungs: Sequence[Rung]) -> list[Point]:
+def model_errors_on_built_in_scenes(
+    cache: SceneResultCache, sequence_results: Sequence[RefinementStepResult]
+) -> list[MeasuredModelErrors]:
     """Return the errors of the models on the built-in scenes; errors to expect on other scenes are estimated from them.
 
-    ``study``: cache of scenes and 3D references; ``rungs``: result of each model of the refinement sequence on each scene.
+    ``cache``: cache of scenes and 3D references; ``sequence_results``: result of each model of the refinement sequence on
+    each scene.
     """
-    references = study.references((*REFERENCED, *UNSEEN))
-    return [measure_model_error(r.scene, study.scene(r.scene), r.result, references[r.scene].best) for r in rungs]
+    references = cache.stored_references((*REFERENCED, *UNSEEN))
+    return [
+        measure_model_error(r.scene, cache.built_in_scene(r.scene), r.result, references[r.scene].best)
+        for r in sequence_results
+    ]
 
 
-def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
+def leave_one_out_error_rows(
+    cache: SceneResultCache, sequence_results: Sequence[RefinementStepResult]
+) -> list[dict[str, Any]]:
     """Estimate the errors of each model on every compared screw (built-in or random) from its errors on all other screws.
 
     Parameters
     ----------
-    study
+    cache
         Cache of scenes and 3D references.
-    rungs
+    sequence_results
         Result of each model of the refinement sequence on each built-in scene.
 
     Returns
@@ -324,7 +348,7 @@ def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, An
         ``expected``) and RMS error (``rms`` and ``expected_rms``) [% of the mean load]. Expected errors are None if a screw
         is outside the range of the others.
     """
-    everything = [*model_errors_on_shipped_scenes(study, rungs), *errors_on_drawn_screws()]
+    everything = [*model_errors_on_built_in_scenes(cache, sequence_results), *model_errors_on_random_screws()]
     return [
         {
             "scene": one.point.scene,
@@ -335,5 +359,5 @@ def leave_one_out_rows(study: Study, rungs: Sequence[Rung]) -> list[dict[str, An
             "expected_rms": None if one.expected is None else one.expected["rms_percent"],
         }
         for model in RUNGS
-        for one in leave_one_out(everything, model.name)
+        for one in leave_one_out_errors(everything, model.name)
     ]

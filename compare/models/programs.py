@@ -25,14 +25,14 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import ArgumentError, InputError, ProgramError, one_line
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
     import subprocess
 
-    from rollbench.compare.models.loads_file import GivenLoads
+    from rollbench.compare.models.loads_file import ContactLoadsFromFile
 
 #: Placeholders in a command: for the file with the scene, for the file with the loads, and for the time limit.
 SCENE, LOADS, LIMIT = "{scene.json}", "{loads.csv}", re.compile(r"\{seconds=([^{}]*)\}")
@@ -51,7 +51,7 @@ MEND = (
 )
 
 
-def is_command(name: str) -> bool:
+def is_program_command(name: str) -> bool:
     """Return whether the name of a model is a command that runs an external program.
 
     Parameters
@@ -111,11 +111,11 @@ def model_title(name: str) -> str:
     >>> model_title("awk -f /home/me/share.awk {scene.json} {loads.csv}"), model_title("lin")
     ('awk -f share.awk', 'lin')
     """
-    return parse_command(name).label if is_command(name) else name
+    return parse_command(name).short_name if is_program_command(name) else name
 
 
 @cache
-def parse_command(name: str) -> Program:
+def parse_command(name: str) -> ExternalProgram:
     """Check the command of an external program, and split it into its words and its time limit.
 
     Parameters
@@ -152,34 +152,34 @@ def parse_command(name: str) -> Program:
     if limit is not None and not 0.0 < seconds <= LONGEST:
         allowed = f"above 0 and up to {LONGEST:g} seconds"
         raise ArgumentError("model_seconds", limit[1] or "nothing", allowed, "write 600 for ten minutes")
-    return Program(words, seconds)
+    return ExternalProgram(words, seconds)
 
 
 @dataclass(frozen=True)
-class Program:
+class ExternalProgram:
     """Command of an external program that serves as a low-order model, with its time limit."""
 
-    words: tuple[str, ...]
+    command_words: tuple[str, ...]
     """Words of the command, with placeholders for the files."""
-    seconds: float
+    time_limit: float
     """Time limit for one scene [s]."""
 
     @property
-    def label(self) -> str:
+    def short_name(self) -> str:
         """Short name of the program: its command without placeholders and without the folders in paths."""
-        words = [Path(word).name or word for word in self.words if SCENE not in word and LOADS not in word]
+        words = [Path(word).name or word for word in self.command_words if SCENE not in word and LOADS not in word]
         return one_line(" ".join(words), 40)
 
     @property
-    def files(self) -> str:
+    def file_names_with_hashes(self) -> str:
         """Names of the files in the command, each with a hash of its contents, which changes with the program."""
         import hashlib
 
-        paths = [Path(shutil.which(self.words[0]) or self.words[0]), *map(Path, self.words[1:])]
+        paths = [Path(shutil.which(self.command_words[0]) or self.command_words[0]), *map(Path, self.command_words[1:])]
         found = [f"{p.name} {hashlib.sha256(p.read_bytes()).hexdigest()[:16]}" for p in paths if p.is_file()]
         return ", ".join(found)
 
-    def __call__(self, scene: Scene) -> tuple[GivenLoads, Array | None]:
+    def __call__(self, scene: Scene) -> tuple[ContactLoadsFromFile, Array | None]:
         """Run the program for a scene, with its input and output files in a temporary folder.
 
         Parameters
@@ -205,53 +205,54 @@ class Program:
             folder = Path(name)
             asked, loads, said = (folder / x for x in ("scene.json", "loads.csv", "output"))
             asked.write_text(scene_json(scene), encoding="utf-8")
-            words = [word.replace(SCENE, str(asked)).replace(LOADS, str(loads)) for word in self.words]
+            words = [word.replace(SCENE, str(asked)).replace(LOADS, str(loads)) for word in self.command_words]
             try:
-                why = self._run(words, said)
+                why = self._run_and_explain_failure(words, said)
                 if why:
                     raise self._failure_error(scene, why, said)
                 if not loads.exists():
                     raise self._failure_error(scene, f"wrote no {LOADS}", said)
-                return self._read_answer(loads, scene)
+                return self._read_loads_and_displacement(loads, scene)
             except InputError as error:
                 if isinstance(error, ProgramError):
                     raise
                 what = f"{error.key}: {error.value or 'nothing'}; allowed: {error.allowed}"
                 raise self._failure_error(scene, f"wrote loads that cannot be used, {what}", said) from None
 
-    def _run(self, words: list[str], said: Path) -> str:
+    def _run_and_explain_failure(self, command_words: list[str], output_file: Path) -> str:
         """Run the program, and return why it failed; empty if it ended with exit code 0 within its time limit.
 
-        ``words``: words of the command with the paths of its files; ``said``: file that takes its printed output.
+        ``command_words``: words of the command with the paths of its files; ``output_file``: file that takes its printed
+        output.
         """
         import subprocess
 
-        with said.open("wb") as output:
+        with output_file.open("wb") as output:
             try:
                 process = subprocess.Popen(
-                    words, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, start_new_session=True
+                    command_words, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT, start_new_session=True
                 )
             except OSError as error:
-                said.unlink()
+                output_file.unlink()
                 return f"cannot be started: {error.strerror or error}"
             try:
-                code = process.wait(self.seconds)
+                code = process.wait(self.time_limit)
             except subprocess.TimeoutExpired:
-                return f"was ended after its time limit of {self.seconds:g} s"
+                return f"was ended after its time limit of {self.time_limit:g} s"
             finally:
                 _kill_process(process)
         return "" if code == 0 else f"ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
-    def _failure_error(self, scene: Scene, why: str, said: Path) -> ProgramError:
+    def _failure_error(self, scene: Scene, reason: str, output_file: Path) -> ProgramError:
         """Return the ProgramError for this program's failure on a scene, with the last line that it printed.
 
-        ``why``: reason of the failure; ``said``: file with the program's printed output.
+        ``reason``: reason of the failure; ``output_file``: file with the program's printed output.
         """
-        line = last_output_line(said)
+        line = last_printed_line(output_file)
         words = "" if line is None else f"; its last line: {line}" if line else "; it printed nothing"
-        return ProgramError(self.label, scene.name, why + words, MEND)
+        return ProgramError(self.short_name, scene.name, reason + words, MEND)
 
-    def _read_answer(self, path: Path, scene: Scene) -> tuple[GivenLoads, Array | None]:
+    def _read_loads_and_displacement(self, path: Path, scene: Scene) -> tuple[ContactLoadsFromFile, Array | None]:
         """Read the contact loads and the displacement of the screw at the nut's centre from the program's output file.
 
         ``path``: the file. The displacement (6,) [m, rad] is None if the program wrote none. InputError if loads or
@@ -261,7 +262,7 @@ class Program:
 
         given = read_loads(path, scene.ball_count, scene)
         given.load[given.load < LEAST] = 0.0
-        lacking = [side for side in SIDES if side not in given.flanks]
+        lacking = [side for side in SIDES if side not in given.flanks_with_rows]
         if lacking:
             raise InputError(
                 LOADS, "rows", f"no loads on {', '.join(lacking)}", "loads of every ball on SL, SR, NL and NR", ""
@@ -289,7 +290,7 @@ def _kill_process(process: subprocess.Popen[bytes]) -> None:
         process.wait()
 
 
-def last_output_line(path: Path) -> str | None:
+def last_printed_line(path: Path) -> str | None:
     """Return the last non-empty line that an external program printed.
 
     Parameters
@@ -327,13 +328,13 @@ def scene_json(scene: Scene) -> str:
         cause on both pairs of flanks in the nominal position (positive: pressed), and the Hertz constants C [m/N^(2/3)] of
         its contacts, where the approach under the load F is C F^(2/3).
     """
-    from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
-    from rollbench.lowfi.statics.problem import centre_distances
+    from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
+    from rollbench.lowfi.statics.problem import centre_vectors_and_interference
 
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout)
-    _, closure = centre_distances(scene, drawn)
-    C = hertz_C(with_error_free_hertz(scene), drawn)
+    drawn = draw_geometry_with_errors(scene, layout)
+    _, closure = centre_vectors_and_interference(scene, drawn)
+    C = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
     balls = [
         {"ball": i + 1, "azimuth": float(layout.azimuth[i]), "z": float(layout.z[i])}
         | {"closure_SL_NR": float(closure[i, 0]), "closure_SR_NL": float(closure[i, 1])}

@@ -14,48 +14,48 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.files import similar_paths
 from rollbench.compare.models import programs, user_models
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene, UnfitKey
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.bodies import Condensed
+    from rollbench.lowfi.compliance.bodies import CondensedCompliance
     from rollbench.lowfi.statics.result import AxisResult, StaticResult
 
 
 @dataclass(frozen=True)
-class Options:
+class ModelOptions:
     """Options with which a low-order model is run."""
 
     #: Whether the model also computes those of its terms that cannot change the contact loads of the scene.
-    everything: bool = False
+    include_ineffective_terms: bool = False
     #: Number of the random draw of the scene's geometric errors, from 0; 0 without random errors.
     member: int = 0
     #: How numerical kernels run: ``interpreted`` (plain Python), ``compiled`` (machine code), or ``auto`` (which of both
     #: depends on the number of balls).
     engine: str = "auto"
     #: Whether the error due to the division of the screw into beam elements is estimated.
-    discretisation: bool = True
+    estimate_beam_mesh_error: bool = True
     #: File with the stiffness of screw and nut condensed to the contacts, for the model "condensed"; None: no file.
-    condensed: Path | None = None
+    condensed_bodies_file: Path | None = None
 
 
-def _solve_lin(scene: Scene, options: Options) -> StaticResult:
+def _solve_lin(scene: Scene, options: ModelOptions) -> StaticResult:
     """Solve a scene by the model "lin", the low-order model of Lin's thesis: beam screw, rigid nut, Hertz contacts."""
     from rollbench.lowfi.statics.static import solve_static
 
     return solve_static(
         scene,
-        everything=options.everything,
+        everything=options.include_ineffective_terms,
         member=options.member,
         engine=options.engine,  # type: ignore[arg-type]
-        discretisation=options.discretisation,
+        discretisation=options.estimate_beam_mesh_error,
     )
 
 
-def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
+def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompliance:
     """Read the stiffness of screw and nut, condensed to the contacts, from the file ``options.condensed``.
 
     Parameters
@@ -75,23 +75,23 @@ def read_condensed_bodies(scene: Scene, options: Options) -> Condensed:
     InputError
         If the options name no file, or the file is missing or was made for other parts than those of the scene.
     """
-    from rollbench.lowfi.compliance.bodies import Condensed
+    from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
-    if options.condensed is None:
+    if options.condensed_bodies_file is None:
         advice = "write such a file with rollbench condense, and pass it as `condensed=FILE`"
         raise InputError(scene.name, "model", '"condensed"', "only with a file of condensed bodies", advice)
     try:
-        return Condensed.read(options.condensed, scene)
+        return CondensedCompliance.read_checked(options.condensed_bodies_file, scene)
     except OSError as error:
-        near = similar_paths(options.condensed) if isinstance(error, FileNotFoundError) else ""
+        near = similar_paths(options.condensed_bodies_file) if isinstance(error, FileNotFoundError) else ""
         words = error.strerror or str(error), "a file of condensed bodies", near or "check the path"
     except ValueError as error:
         allowed = "a file that rollbench condense wrote for the parts of this scene"
         words = str(error), allowed, "write the file again with rollbench condense"
-    raise InputError(str(options.condensed), "file", *words)
+    raise InputError(str(options.condensed_bodies_file), "file", *words)
 
 
-def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
+def _solve_with_elastic_bodies(scene: Scene, options: ModelOptions, *, name: str) -> StaticResult:
     """Solve a scene by the model ``name`` with an elastic screw and nut; those of "condensed" are read from a file."""
     from rollbench.lowfi.compliance.parts import LADDER, REFINED
     from rollbench.lowfi.statics.elastic import solve_elastic
@@ -103,26 +103,26 @@ def _solve_elastic(scene: Scene, options: Options, *, name: str) -> StaticResult
         backend=REFINED if condensed is not None else LADDER[name],
         condensed=condensed,
         name=name,
-        everything=options.everything,
+        everything=options.include_ineffective_terms,
         member=options.member,
         engine=options.engine,  # type: ignore[arg-type]
     )
     result = solve(scene)
-    wanted = options.discretisation and result.converged and scene.ingredients.screw != "rigid"
+    wanted = options.estimate_beam_mesh_error and result.converged and scene.ingredients.screw != "rigid"
     return with_discretisation_error(scene, result, solve) if wanted else result
 
 
-def _solve_as_source(scene: Scene, options: Options) -> StaticResult:
+def _solve_by_thesis_equations(scene: Scene, options: ModelOptions) -> StaticResult:
     """Solve a scene by the model "source": equations and Newton iteration of Lin's thesis; InputError for a rigid screw."""
-    from rollbench.lowfi.as_source import solve_source_as_static_result
+    from rollbench.lowfi.as_source import solve_lin_equations_as_static_result
 
     if scene.ingredients.screw == "rigid":
         advice = "use the model lin; the equations of Lin's thesis describe a beam"
         raise InputError(scene.name, "ingredients.screw", '"rigid"', '"beam"', advice)
-    return solve_source_as_static_result(scene, everything=options.everything, member=options.member)
+    return solve_lin_equations_as_static_result(scene, everything=options.include_ineffective_terms, member=options.member)
 
 
-def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticResult:
+def _solve_mei(scene: Scene, options: ModelOptions, *, elastic_nut: bool) -> StaticResult:
     """Solve a scene by the model of Mei et al. (2003): axial bars and springs.
 
     ``elastic_nut``: whether the nut is an elastic bar instead of rigid.
@@ -132,27 +132,29 @@ def _solve_mei(scene: Scene, options: Options, *, elastic_nut: bool) -> StaticRe
     return solve_mei(scene, member=options.member, elastic_nut=elastic_nut)
 
 
-def _solve_liu(scene: Scene, options: Options) -> StaticResult:
+def _solve_liu(scene: Scene, options: ModelOptions) -> StaticResult:
     """Solve a scene by the model of Liu et al. (2025): balls along the axis whose contact angles turn under load."""
     from rollbench.lowfi.statics.liu import solve_liu
 
     return solve_liu(scene, member=options.member, compiled=options.engine == "compiled")
 
 
-def _solve_axis_lin(assembly: Assembly, options: Options) -> AxisResult:
+def _solve_assembly_by_lin(assembly: Assembly, options: ModelOptions) -> AxisResult:
     """Solve a shaft with several nuts or bearing rows by the low-order model of Lin's thesis ("lin")."""
     from rollbench.lowfi.statics.axis.solve import solve_assembly
 
     return solve_assembly(assembly, engine=options.engine, member=options.member)  # type: ignore[arg-type]
 
 
-def _solve_axis_elastic(assembly: Assembly, options: Options, *, name: str) -> AxisResult:
+def _solve_assembly_elastically(assembly: Assembly, options: ModelOptions, *, name: str) -> AxisResult:
     """Solve a shaft with several nuts or bearing rows by the model ``name``, in which shaft and rings are elastic."""
     from rollbench.lowfi.compliance.parts import LADDER
-    from rollbench.lowfi.statics.axis.elastic import solve_refined
+    from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 
     engine: Any = options.engine
-    return solve_refined(assembly, engine=engine, member=options.member, backend=LADDER[name], name=name)
+    return solve_assembly_with_elastic_bodies(
+        assembly, engine=engine, member=options.member, backend=LADDER[name], name=name
+    )
 
 
 def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
@@ -160,18 +162,18 @@ def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of M
     return True
 
 
-def has_beam(scene: Scene) -> bool:
+def has_beam_screw(scene: Scene) -> bool:
     """Return whether the options of the scene ask for a screw modelled as a beam instead of a rigid body."""
     return scene.ingredients.screw == "beam"
 
 
-def is_covered_by_mei(scene: Scene) -> bool:
+def is_covered_by_mei_model(scene: Scene) -> bool:
     """Return whether the model of Mei et al. covers a scene: axial loads, no preload, one support, screw as a beam."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
-    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam(scene)
+    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and has_beam_screw(scene)
 
 
-def is_covered_by_liu(scene: Scene) -> bool:
+def is_covered_by_liu_model(scene: Scene) -> bool:
     """Return whether the model of Liu et al. covers a scene.
 
     It covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
@@ -188,36 +190,36 @@ class Model:
     #: Name on the command line.
     name: str
     #: Description of the model in the output of ``rollbench list``.
-    about: str
+    description: str
     #: Name in tables and figures.
     label: str
     #: Text on how the model describes the elasticity of screw, nut and balls.
-    words: str
+    elasticity_text: str
     #: Function that solves a scene with one nut or bearing row.
-    run: Callable[[Scene, Options], StaticResult]
+    solve_scene: Callable[[Scene, ModelOptions], StaticResult]
     #: Function that solves a shaft with several nuts or bearing rows, or a text that says why the model cannot.
-    assembly: Callable[[Assembly, Options], AxisResult] | str = "it solves one nut or bearing row"
+    solve_assembly_or_reason: Callable[[Assembly, ModelOptions], AxisResult] | str = "it solves one nut or bearing row"
     #: Function that returns whether the model covers a scene with one nut or bearing row.
-    suits: Callable[[Scene], bool] = covers_any_scene
+    covers_scene: Callable[[Scene], bool] = covers_any_scene
     #: Whether ``rollbench compare`` shows the model by default.
     compared: bool = False
     #: Whether the model solves the hard scenes of the report's table of numerical stability.
-    extremes: bool = False
+    solves_hard_scenes: bool = False
     #: Modelling options (scene table [ingredients]) that distinguish this model from another one with the same solver.
     ingredients: tuple[tuple[str, Any], ...] = ()
     #: Position in the sequence of models from Lin's to the refined one, and what the model adds to the one before it; None:
     #: the model is not in the sequence.
-    ladder_step: tuple[int, str] | None = None
+    refinement_step: tuple[int, str] | None = None
     #: Name of another model whose measured errors hold for this one, too; empty: none.
-    errors_of: str = ""
+    model_with_same_errors: str = ""
 
-    def scene(self, scene: Scene) -> Scene:
+    def scene_with_settings(self, scene: Scene) -> Scene:
         """Return a copy of the scene with the modelling options (`Scene.ingredients`) that this model prescribes."""
         return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
     def assembly_with_settings(self, assembly: Assembly) -> Assembly:
         """Return a copy of the assembly whose nuts and rows all have the modelling options that this model prescribes."""
-        parts = [self.scene(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
+        parts = [self.scene_with_settings(s.parts) if isinstance(s.parts, Scene) else s.parts for s in assembly.sets]
         sets = tuple(replace(s, parts=p) for s, p in zip(assembly.sets, parts, strict=True))
         return replace(assembly, sets=sets, ingredients=replace(assembly.ingredients, **dict(self.ingredients)))
 
@@ -231,11 +233,11 @@ _ALL = (
         "elastic grooved screw, nut and balls with Hertz contacts, without a 3D solution; the default",
         "refined model",
         "screw, nut and balls elastic, by kernels",
-        partial(_solve_elastic, name="refined"),
-        partial(_solve_axis_elastic, name="refined"),
+        partial(_solve_with_elastic_bodies, name="refined"),
+        partial(_solve_assembly_elastically, name="refined"),
         compared=True,
-        extremes=True,
-        ladder_step=(4, "+ elastic grooved screw and nut, flanks and balls (the default)"),
+        solves_hard_scenes=True,
+        refinement_step=(4, "+ elastic grooved screw and nut, flanks and balls (the default)"),
     ),
     Model(
         "lin",
@@ -243,9 +245,9 @@ _ALL = (
         "low-order model of Lin's thesis",
         C_8,
         _solve_lin,
-        _solve_axis_lin,
+        _solve_assembly_by_lin,
         compared=True,
-        ladder_step=(1, "Lin's model: screw as a beam, rigid nut"),
+        refinement_step=(1, "Lin's model: screw as a beam, rigid nut"),
     ),
     Model(
         "lin-source-partition",
@@ -253,7 +255,7 @@ _ALL = (
         "Lin's model, 15 mm beam elements in the nut",
         C_8,
         _solve_lin,
-        _solve_axis_lin,
+        _solve_assembly_by_lin,
         compared=True,
         ingredients=(("partition", "source"),),
     ),
@@ -272,38 +274,38 @@ _ALL = (
         "lin with the cross-section of the grooved shaft for the beam",
         "Lin's model, cross-section of the grooved shaft",
         f"screw a beam with the cross-section of the grooved shaft, nut rigid, {HALF_SPACES}",
-        partial(_solve_elastic, name="lin-cell"),
-        partial(_solve_axis_elastic, name="lin-cell"),
-        ladder_step=(2, "+ cross-section of the grooved shaft"),
+        partial(_solve_with_elastic_bodies, name="lin-cell"),
+        partial(_solve_assembly_elastically, name="lin-cell"),
+        refinement_step=(2, "+ cross-section of the grooved shaft"),
     ),
     Model(
         "lin-nut",
         "lin-cell with the nut as a beam, too",
         "Lin's model, nut as a beam, too",
         f"screw and nut beams with their grooved cross-sections, {HALF_SPACES}",
-        partial(_solve_elastic, name="lin-nut"),
-        partial(_solve_axis_elastic, name="lin-nut"),
-        extremes=True,
-        ladder_step=(3, "+ nut as a beam"),
+        partial(_solve_with_elastic_bodies, name="lin-nut"),
+        partial(_solve_assembly_elastically, name="lin-nut"),
+        solves_hard_scenes=True,
+        refinement_step=(3, "+ nut as a beam"),
     ),
     Model(
         "condensed",
         "refined, with the stiffness of screw and nut from a 3D model, read from a file that rollbench condense made",
         "refined model, bodies from the condensed 3D model",
         "screw, nut and balls from a condensed 3D model",
-        partial(_solve_elastic, name="condensed"),
+        partial(_solve_with_elastic_bodies, name="condensed"),
         "a file of condensed bodies contains one nut or bearing row",
-        ladder_step=(5, "bodies from the condensed 3D model"),
+        refinement_step=(5, "bodies from the condensed 3D model"),
     ),
     Model(
         "source",
         "lin by the equations of Lin's thesis and plain Newton iteration, started from a designer's guess",
         "equations and iteration of Lin's thesis",
         C_8,
-        _solve_as_source,
+        _solve_by_thesis_equations,
         "the equations of Lin's thesis describe a single fixed nut",
-        suits=has_beam,
-        errors_of="lin",
+        covers_scene=has_beam_screw,
+        model_with_same_errors="lin",
     ),
     Model(
         "mei",
@@ -312,7 +314,7 @@ _ALL = (
         f"{BARS}, nut rigid",
         partial(_solve_mei, elastic_nut=False),
         MEI_AXIS,
-        suits=is_covered_by_mei,
+        covers_scene=is_covered_by_mei_model,
         compared=True,
     ),
     Model(
@@ -322,7 +324,7 @@ _ALL = (
         f"{BARS}, nut a bar",
         partial(_solve_mei, elastic_nut=True),
         MEI_AXIS,
-        suits=is_covered_by_mei,
+        covers_scene=is_covered_by_mei_model,
         compared=True,
     ),
     Model(
@@ -332,7 +334,7 @@ _ALL = (
         "axial bars, and contact springs whose direction turns; screw and nut each loaded at one end",
         _solve_liu,
         "it describes one row of balls between a screw and a nut, each loaded at one end",
-        suits=is_covered_by_liu,
+        covers_scene=is_covered_by_liu_model,
         compared=True,
     ),
 )
@@ -341,12 +343,12 @@ MODELS = {m.name: m for m in _ALL}
 
 
 #: Models that solve a shaft with several nuts or bearing rows.
-AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.assembly))
+AXIS_MODELS = tuple(name for name, model in MODELS.items() if callable(model.solve_assembly_or_reason))
 #: Default model.
 DEFAULT = "refined"
 
 
-def default_model(scene: Scene | Assembly) -> str:
+def default_model_name(scene: Scene | Assembly) -> str:
     """Return the name of the default model of a scene.
 
     It is `DEFAULT`, or "lin" if an inner ring sits on a housing that springs support, which no other model covers.
@@ -358,12 +360,12 @@ def default_model(scene: Scene | Assembly) -> str:
     return "lin" if any(s.carrier in sprung for s in scene.sets) else DEFAULT
 
 
-def is_model(name: str) -> bool:
+def is_model_name(name: str) -> bool:
     """Return whether a name denotes a model of rollbench, a model of an installed package, or an external command."""
-    return name in MODELS or programs.is_command(name) or name in user_models.installed_models()
+    return name in MODELS or programs.is_program_command(name) or name in user_models.entry_points_of_installed_models()
 
 
-def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ()) -> Model:
+def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[str] = ()) -> Model:
     """Return the record of a model: of rollbench, of an installed package (which is imported), or of an external command.
 
     Parameters
@@ -372,7 +374,7 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
         Name of the model, or a command.
     argument
         Name of the argument that error messages refer to.
-    excluded
+    excluded_names
         Names of models that are not accepted.
 
     Returns
@@ -383,11 +385,11 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
     Raises
     ------
     ArgumentError
-        If there is no such model, its name is in ``excluded``, or `user_models.load_user_model` cannot load it.
+        If there is no such model, its name is in ``excluded_names``, or `user_models.load_user_model` cannot load it.
     """
-    command = programs.is_command(name)
-    others = () if command else user_models.installed_models()
-    names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in excluded]
+    command = programs.is_program_command(name)
+    others = () if command else user_models.entry_points_of_installed_models()
+    names = [x for x in (*MODELS, *(x for x in others if x not in MODELS)) if x not in excluded_names]
     if name not in names and not command:
         import difflib
 
@@ -398,7 +400,7 @@ def find_model(name: str, argument: str = "model", excluded: Sequence[str] = ())
         return MODELS[name]
     user_models.load_user_model(name)
 
-    def run(scene: Scene, options: Options) -> StaticResult:
+    def run(scene: Scene, options: ModelOptions) -> StaticResult:
         return user_models.solve_by_user_model(name, scene, options.member)
 
     reason = "a user's model is a function of a scene with one nut or bearing row"
@@ -426,10 +428,10 @@ def scene_key_of_error(error: ValueError) -> str:
 
 
 @overload
-def run_model(scene: Scene, name: str = "", options: Options | None = None) -> StaticResult: ...
+def run_model(scene: Scene, name: str = "", options: ModelOptions | None = None) -> StaticResult: ...
 @overload
-def run_model(scene: Assembly, name: str = "", options: Options | None = None) -> AxisResult: ...
-def run_model(scene: Scene | Assembly, name: str = "", options: Options | None = None) -> StaticResult | AxisResult:
+def run_model(scene: Assembly, name: str = "", options: ModelOptions | None = None) -> AxisResult: ...
+def run_model(scene: Scene | Assembly, name: str = "", options: ModelOptions | None = None) -> StaticResult | AxisResult:
     """Solve a scene with a low-order model.
 
     Parameters
@@ -452,8 +454,8 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
         If the name is unknown, the model does not cover the scene, or ``options.member`` is above 0 for a scene without
         random errors.
     """
-    name, options = name or default_model(scene), options or Options()
-    run = _solver_of_scene(scene, name)
+    name, options = name or default_model_name(scene), options or ModelOptions()
+    run = _function_that_solves(scene, name)
     if options.member and not has_random_errors(scene):
         allowed = "0, because the scene has no random geometric errors"
         raise ArgumentError("member", str(options.member), allowed, "leave `member` out", scene.name)
@@ -463,20 +465,20 @@ def run_model(scene: Scene | Assembly, name: str = "", options: Options | None =
     except ValueError as error:
         single = isinstance(scene, Scene)
         where, what = (scene_key_of_error(error), "geometry and [ingredients]") if single else ("scene", "geometry")
-        raise Refusal(scene.name, where, str(error), f"check the {what}") from error
-    return replace(result.answers(), model=name, member=options.member)
+        raise SceneNotCoveredError(scene.name, where, str(error), f"check the {what}") from error
+    return replace(result.nan_unless_converged(), model=name, member=options.member)
 
 
-def _solver_of_scene(scene: Scene | Assembly, name: str) -> Callable[[Options], StaticResult | AxisResult]:
+def _function_that_solves(scene: Scene | Assembly, name: str) -> Callable[[ModelOptions], StaticResult | AxisResult]:
     """Return a function that solves the scene with the model ``name`` for given options; InputError if the model cannot."""
     if isinstance(scene, Scene):
-        model = find_model(name)
-        return partial(model.run, model.scene(scene))
+        model = model_by_name(name)
+        return partial(model.solve_scene, model.scene_with_settings(scene))
     if name in AXIS_MODELS:
         model = MODELS[name]
-        assert not isinstance(model.assembly, str)
-        return partial(model.assembly, model.assembly_with_settings(scene))
+        assert not isinstance(model.solve_assembly_or_reason, str)
+        return partial(model.solve_assembly_or_reason, model.assembly_with_settings(scene))
     advice = "choose one of these"
-    if is_model(name):
-        advice += f"; {name} does not solve several nuts or bearing rows: {find_model(name).assembly}"
+    if is_model_name(name):
+        advice += f"; {name} does not solve several nuts or bearing rows: {model_by_name(name).solve_assembly_or_reason}"
     raise ArgumentError("model", f'"{name}"', ", ".join(AXIS_MODELS), advice, scene.name)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.estimate import Reference, reference_of_scene
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import StaticResult
@@ -21,33 +21,33 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Study:
+class SceneResultCache:
     """Cache of the scenes, model results and stored 3D references of one report or check; each is computed or read once."""
 
     #: Folders with runs of the 3D reference, in order of search; None: those included with rollbench.
-    stores: Sequence[Path] | None = None
+    reference_folders: Sequence[Path] | None = None
     #: Number of random draws of the geometric errors of scenes with random errors; None: as many as the scene states;
     #: 0: results that need such draws are not computed.
-    members: int | None = None
+    random_draw_count: int | None = None
     #: Whether only coarse meshes are used, to save time.
     quick: bool = False
     #: Whether run times are measured; else stored run times are used.
-    timed: bool = False
+    measures_run_times: bool = False
     #: Folder of meshes and condensed parts; None: no cache.
-    cache: Path | None = None
+    mesh_cache: Path | None = None
     #: Scenes with one nut or bearing row, by name.
     scenes: dict[str, Scene] = field(default_factory=dict)
     #: Built-in scenes of other types than `Scene` (shafts with several nuts or bearings, duty cycles, parts for which only
     #: friction is computed), by name.
-    others: dict[str, Described] = field(default_factory=dict)
+    other_scenes: dict[str, Described] = field(default_factory=dict)
     #: Results of low-order models by scene, name of the model, and number of the random draw of the geometric errors.
-    results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
+    static_results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     #: Values that `compute_once` has computed, by function and arguments.
-    computed: dict[Any, Any] = field(default_factory=dict)
+    computed_values: dict[Any, Any] = field(default_factory=dict)
     #: Printed numbers and claims with their computed values (`compare.evidence.Evidence`), by printed table.
-    evidence: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    evidence_by_table: dict[str, tuple[Any, ...]] = field(default_factory=dict)
 
-    def scene(self, name: str) -> Scene:
+    def built_in_scene(self, name: str) -> Scene:
         """Return the built-in scene ``name``, which is read from its file on first use."""
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
@@ -60,60 +60,62 @@ class Study:
             if isinstance(scene, Scene):
                 self.scenes.setdefault(name, scene)
             else:
-                self.others.setdefault(name, scene)
+                self.other_scenes.setdefault(name, scene)
 
     @property
-    def used(self) -> dict[str, Described]:
+    def used_scenes(self) -> dict[str, Described]:
         """All scenes on which results of this report or check depend so far, by name, sorted by name."""
-        scenes: dict[str, Described] = {**self.scenes, **self.others}
+        scenes: dict[str, Described] = {**self.scenes, **self.other_scenes}
         return dict(sorted(scenes.items()))
 
-    def changed(self, name: str, **ingredients: Any) -> Scene:
+    def scene_with_options(self, name: str, **ingredients: Any) -> Scene:
         """Return a copy of the built-in scene ``name`` with changed modelling options.
 
         ``**ingredients``: new values of fields of `meshes.parts.Ingredients`, by name.
         """
-        scene = self.scene(name)
+        scene = self.built_in_scene(name)
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
-    def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
+    def solve_once(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
         """Return the cached result of a model for a scene, which is solved on first use.
 
         ``scene``: the scene, or the name of a built-in scene; ``model``: name of the model; ``member``: number of the
         random draw of the geometric errors, from 0; 0 without random errors.
         """
-        parts = self.scene(scene) if isinstance(scene, str) else scene
+        parts = self.built_in_scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
-        if key not in self.results:
+        if key not in self.static_results:
             flanks = [parts.errors.side(side) for side in SIDES]
             uneven = any(flank.profile or flank.profile_sigma for flank in flanks)
             engine = "auto" if uneven else "interpreted"  # compiling takes longer than a few solutions in plain Python
-            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, engine=engine))
-        return self.results[key]
+            self.static_results[key] = run_model(
+                parts, model, ModelOptions(member=member, estimate_beam_mesh_error=False, engine=engine)
+            )
+        return self.static_results[key]
 
-    def compute_once(self, make: Callable[..., T], *args: Any) -> T:
+    def compute_once(self, function: Callable[..., T], *args: Any) -> T:
         """Return the value of ``make(self, *args)``, which is computed on first use and then cached.
 
-        ``make``: function that takes this cache first; ``args``: its other arguments, which must be hashable.
+        ``function``: function that takes this cache first; ``args``: its other arguments, which must be hashable.
         """
-        key = (make, *args)
-        if key not in self.computed:
-            self.computed[key] = make(self, *args)
-        return cast(T, self.computed[key])
+        key = (function, *args)
+        if key not in self.computed_values:
+            self.computed_values[key] = function(self, *args)
+        return cast(T, self.computed_values[key])
 
-    def reference(self, name: str) -> Reference | None:
+    def stored_reference(self, name: str) -> Reference | None:
         """Return the stored 3D reference of the built-in scene ``name``; None without a converged run."""
         return self.compute_once(_stored_reference, name)
 
-    def references(self, names: Sequence[str]) -> dict[str, Reference]:
+    def stored_references(self, names: Sequence[str]) -> dict[str, Reference]:
         """Return the stored 3D references of the built-in scenes ``names`` by name, without scenes that have none."""
-        references = {name: self.reference(name) for name in names}
+        references = {name: self.stored_reference(name) for name in names}
         return {name: ref for name, ref in references.items() if ref is not None}
 
 
-def _stored_reference(study: Study, name: str) -> Reference | None:
+def _stored_reference(cache: SceneResultCache, name: str) -> Reference | None:
     """Return the stored 3D reference of a built-in scene; None without a converged run."""
-    return reference_of_scene(study.scene(name), study.stores)
+    return reference_of_scene(cache.built_in_scene(name), cache.reference_folders)
 
 
 def with_conformity(scene: Scene, conformity: float) -> Scene:

@@ -39,22 +39,22 @@ import numpy as np
 
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models.answers import rate_contact_loads
+from rollbench.compare.models.answers import results_of_contact_loads
 from rollbench.compare.models.applicability import descriptors_outside_range
-from rollbench.compare.models.comparison import Loads, loads_from_result, loads_from_run
-from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, Modelling, unchanged_run
+from rollbench.compare.models.comparison import ContactSolution, solution_from_result, solution_from_run
+from rollbench.compare.models.modelling import SPOKEN_FOR, VARIED, ModellingUncertainty, run_without_changed_choices
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.convergence import grid_convergence
 from rollbench.compare.reference.estimate import Reference, has_both_flanks_loaded, largest_uncertainty_percent
 from rollbench.compare.reference.levels import VARIANTS
-from rollbench.compare.reference.store import Run, load_run, shipped_store
+from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Material, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
-Take = Callable[[Scene, Loads], Array]
+Take = Callable[[Scene, ContactSolution], Array]
 
 #: Names of the parts of the uncertainty.
 GRID, CHOICES, INPUT, SECOND = "discretisation", "modelling choices", "inputs", "large displacements"
@@ -72,7 +72,7 @@ CONTACTS = "contact loads"
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ComparedQuantity:
     """Quantity by which a model is compared with the 3D reference, such as the axial displacement."""
 
     #: Name of the quantity.
@@ -81,28 +81,31 @@ class Quantity:
     unit: str
     #: Function that returns the values of the quantity (array of any shape) from a scene and the results of a model or 3D
     #: run.
-    take: Take
+    values_of_solution: Take
     #: Whether errors of the quantity are in per cent of the mean contact load instead of the quantity itself.
-    of_mean: bool = False
+    in_percent_of_mean_load: bool = False
     #: Whether the quantity is the load of the most loaded contact.
-    of_largest: bool = False
+    is_largest_load: bool = False
 
 
-def _axial_displacement(scene: Scene, answer: Loads) -> Array:
-    """Return the screw's axial displacement at the nut's centre as an array (1,) [um]; ``answer``: displacements."""
-    return np.array([1e6 * float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2]))])
+def _axial_displacement(scene: Scene, solution: ContactSolution) -> Array:
+    """Return the screw's axial displacement at the nut's centre as an array (1,) [um]; ``solution``: displacements."""
+    return np.array([1e6 * float(np.interp(scene.nut.position, solution.stations, solution.line[:, 2]))])
 
 
-def _angle_at_most_loaded(scene: Scene, answer: Loads) -> Array:  # noqa: ARG001 - every quantity takes the scene
-    """Return the contact angle of the most loaded contact as an array (1,) [deg]; ``answer``: contact loads and angles."""
-    return np.array([float(answer.angle.ravel()[int(answer.load.argmax())])])
+def _angle_of_most_loaded_contact(scene: Scene, solution: ContactSolution) -> Array:  # noqa: ARG001 - every quantity takes the scene
+    """Return the contact angle of the most loaded contact as an array (1,) [deg].
+
+    ``solution``: contact loads and angles.
+    """
+    return np.array([float(solution.angle.ravel()[int(solution.load.argmax())])])
 
 
 QUANTITIES = (
-    Quantity(CONTACTS, "N", lambda scene, answer: answer.load, of_mean=True),  # noqa: ARG005
-    Quantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), of_largest=True),  # noqa: ARG005
-    Quantity("axial displacement", "um", _axial_displacement),
-    Quantity("contact angle of the most loaded contact", "deg", _angle_at_most_loaded),
+    ComparedQuantity(CONTACTS, "N", lambda scene, answer: answer.load, in_percent_of_mean_load=True),  # noqa: ARG005
+    ComparedQuantity("largest load", "N", lambda scene, answer: np.array([answer.load.max()]), is_largest_load=True),  # noqa: ARG005
+    ComparedQuantity("axial displacement", "um", _axial_displacement),
+    ComparedQuantity("contact angle of the most loaded contact", "deg", _angle_of_most_loaded_contact),
 )
 
 
@@ -159,16 +162,16 @@ INPUTS = (
 
 
 @dataclass(frozen=True)
-class Uncertainty:
+class UncertaintyParts:
     """Parts of the validation uncertainty (ASME V&V 20) of one quantity of one scene: mesh, modelling choices, inputs."""
 
     #: Uncertainty due to each cause [%] by the name of the cause, a number or an array in the shape of the quantity; nan:
     #: not known.
     parts: Mapping[str, Array | float]
     #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
-    varied: str = ""
+    scene_with_varied_choices: str = ""
 
-    def combined(self, *names: str, unknown: float = np.nan) -> Array:
+    def root_sum_of_squares(self, *names: str, unknown: float = np.nan) -> Array:
         """Return the root of the sum of squares of the named parts of the uncertainty, of all parts without names [%].
 
         Parameters
@@ -187,106 +190,108 @@ class Uncertainty:
         return np.asarray(np.sqrt(sum(np.where(np.isnan(part), unknown, part) ** 2 for part in parts)))
 
 
-def difference_percent(quantity: Quantity, value: Array, base: Array, mean: float) -> Array:
+def difference_percent(quantity: ComparedQuantity, value: Array, base: Array, mean: float) -> Array:
     """Return ``value - base`` in per cent of ``base``; for contact loads, in per cent of the mean load ``mean`` [N].
 
     ``quantity``: quantity to which the values belong, which states whether they are contact loads.
     """
-    scale = mean if quantity.of_mean else None
+    scale = mean if quantity.in_percent_of_mean_load else None
     return np.asarray(error_percent(value, base, scale))
 
 
-def grid_uncertainty(scene: Scene, reference: Reference, quantity: Quantity) -> Array:
+def grid_uncertainty(scene: Scene, reference: Reference, quantity: ComparedQuantity) -> Array:
     """Return the uncertainty [%] due to the mesh of a quantity by the finest run of the 3D reference.
 
     The array has the shape of the quantity. With a single mesh level it is nan, except for contact loads, whose uncertainty
     is then estimated from other scenes.
     """
-    base = quantity.take(scene, loads_from_run(reference.best, ""))
-    if quantity.of_mean:
+    base = quantity.values_of_solution(scene, solution_from_run(reference.best, ""))
+    if quantity.in_percent_of_mean_load:
         return difference_percent(quantity, reference.uncertainty, np.zeros_like(base), reference.mean)
-    if quantity.of_largest:
+    if quantity.is_largest_load:
         bar = reference.uncertainty.ravel()[int(reference.load.argmax())]
         return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
     if len(reference.runs) < 2:
         return np.full(base.shape, np.nan)
-    values = [float(quantity.take(scene, loads_from_run(run, ""))[0]) for run in reference.runs]
+    values = [float(quantity.values_of_solution(scene, solution_from_run(run, ""))[0]) for run in reference.runs]
     bar = grid_convergence(values, reference.sizes).uncertainty or 0.0
     return np.asarray(error_percent(np.full(base.shape, bar), np.zeros(base.shape), base))
 
 
-def runs_with_changed_choices(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
-    """Return the results of stored 3D runs of the scene ``name`` with and without each changed modelling choice.
+def solutions_with_and_without_choices(
+    cache: SceneResultCache, scene_name: str
+) -> tuple[tuple[str, ContactSolution, ContactSolution], ...]:
+    """Return the results of stored 3D runs of the scene ``scene_name`` with and without each changed modelling choice.
 
     Each item is a tuple: name of the choice, results with the change, results without it. Runs that did not converge are
-    left out. ``study``: cache of scenes and 3D references.
+    left out. ``cache``: cache of scenes and 3D references.
     """
-    scene, out = study.scene(name), []
+    scene, out = cache.built_in_scene(scene_name), []
     bases: dict[int, Run | None] = {}
     for key, variant in VARIANTS.items():
-        run = load_run(scene, variant.level, key, study.stores) if variant.kind == "modelling" else None
+        run = load_stored_run(scene, variant.level, key, cache.reference_folders) if variant.kind == "modelling" else None
         if run is None or run.status != "converged":
             continue
         if variant.level not in bases:
-            bases[variant.level] = unchanged_run(scene, variant.level, study.stores)
+            bases[variant.level] = run_without_changed_choices(scene, variant.level, cache.reference_folders)
         base = bases[variant.level]
         if base is not None:
-            out.append((variant.choice, loads_from_run(run, key), loads_from_run(base, "")))
+            out.append((variant.choice, solution_from_run(run, key), solution_from_run(base, "")))
     return tuple(out)
 
 
-def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
-    """Return the combined effect of the 3D reference's modelling choices on a quantity of the scene ``name`` [%].
+def combined_choice_effect(cache: SceneResultCache, scene_name: str, quantity: ComparedQuantity) -> Array | None:
+    """Return the combined effect of the 3D reference's modelling choices on a quantity of the scene ``scene_name`` [%].
 
     It is the root of the sum of squares over the choices; a choice with several variants counts with the largest change.
-    None if no choice was varied on the scene. ``study``: cache of scenes and 3D references.
+    None if no choice was varied on the scene. ``cache``: cache of scenes and 3D references.
     """
-    scene, worst = study.scene(name), dict[str, Array]()
+    scene, worst = cache.built_in_scene(scene_name), dict[str, Array]()
     contacts = nominal_contacts(scene)
-    for choice, changed, base in study.compute_once(runs_with_changed_choices, name):
-        value, unchanged = (quantity.take(scene, answer) for answer in (changed, base))
+    for choice, changed, base in cache.compute_once(solutions_with_and_without_choices, scene_name):
+        value, unchanged = (quantity.values_of_solution(scene, answer) for answer in (changed, base))
         change = np.abs(difference_percent(quantity, value, unchanged, mean_load(base.load, contacts)))
         worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
-    return Uncertainty(worst).combined() if worst else None
+    return UncertaintyParts(worst).root_sum_of_squares() if worst else None
 
 
-def effects_of_input_tolerances(study: Study, scene: Scene, quantity: Quantity) -> dict[str, Array]:
+def effects_of_input_tolerances(cache: SceneResultCache, scene: Scene, quantity: ComparedQuantity) -> dict[str, Array]:
     """Return the change of a quantity [%] due to each input tolerance of a scene, by name; computed by the model "lin".
 
-    ``study``: cache of scenes and results.
+    ``cache``: cache of scenes and results.
     """
-    base = study.solve(scene, SENSITIVE)
-    unchanged, out = quantity.take(scene, loads_from_result(base)), {}
+    base = cache.solve_once(scene, SENSITIVE)
+    unchanged, out = quantity.values_of_solution(scene, solution_from_result(base)), {}
     mean = mean_load(base.load, nominal_contacts(scene))
     for tolerance in INPUTS:
         changed = tolerance.change(scene)
         if changed is not None:
-            value = quantity.take(changed, loads_from_result(study.solve(changed, SENSITIVE)))
+            value = quantity.values_of_solution(changed, solution_from_result(cache.solve_once(changed, SENSITIVE)))
             out[tolerance.name] = difference_percent(quantity, value, unchanged, mean)
     return out
 
 
-def input_uncertainty(study: Study, scene: Scene, quantity: Quantity) -> tuple[Array, str]:
+def combined_input_effect(cache: SceneResultCache, scene: Scene, quantity: ComparedQuantity) -> tuple[Array, str]:
     """Return the combined effect of all input tolerances on a quantity [%], and the name of the most effective tolerance.
 
-    The effects are combined as the root of the sum of squares. ``study``: cache of scenes and results.
+    The effects are combined as the root of the sum of squares. ``cache``: cache of scenes and results.
     """
-    parts = effects_of_input_tolerances(study, scene, quantity)
-    return Uncertainty(parts).combined(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
+    parts = effects_of_input_tolerances(cache, scene, quantity)
+    return UncertaintyParts(parts).root_sum_of_squares(), max(parts, key=lambda name: float(np.abs(parts[name]).max()))
 
 
-def validation_uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | None:
-    """Compute the parts of the validation uncertainty u_val of a quantity of the scene ``name``: mesh, choices, inputs.
+def validation_uncertainty(cache: SceneResultCache, scene_name: str, quantity: ComparedQuantity) -> UncertaintyParts | None:
+    """Compute the parts of the validation uncertainty u_val of a quantity of a scene: mesh, choices, inputs.
 
-    None if no 3D reference of the scene is stored. ``study``: cache of scenes and 3D references.
+    None if no 3D reference of the scene is stored. ``cache``: cache of scenes and 3D references.
     """
-    reference = study.reference(name)
+    reference = cache.stored_reference(scene_name)
     if reference is None:
         return None
-    scene = study.scene(name)
+    scene = cache.built_in_scene(scene_name)
     grid = grid_uncertainty(scene, reference, quantity)
-    choices = {} if descriptors_outside_range(scene) else study.compute_once(choice_effects_by_scene, quantity)
-    speaks = SPOKEN_FOR.get(name, "")
+    choices = {} if descriptors_outside_range(scene) else cache.compute_once(combined_choice_effect_by_scene, quantity)
+    speaks = SPOKEN_FOR.get(scene_name, "")
     if speaks in choices and choices[speaks].shape == grid.shape:
         model, varied = choices[speaks], speaks
     elif choices:
@@ -294,20 +299,20 @@ def validation_uncertainty(study: Study, name: str, quantity: Quantity) -> Uncer
         model = np.full(grid.shape, float(choices[varied].max()))
     else:
         varied, model = "", np.full(grid.shape, np.nan)
-    return Uncertainty({GRID: grid, CHOICES: model, INPUT: input_uncertainty(study, scene, quantity)[0]}, varied)
+    return UncertaintyParts({GRID: grid, CHOICES: model, INPUT: combined_input_effect(cache, scene, quantity)[0]}, varied)
 
 
-def choice_effects_by_scene(study: Study, quantity: Quantity) -> dict[str, Array]:
+def combined_choice_effect_by_scene(cache: SceneResultCache, quantity: ComparedQuantity) -> dict[str, Array]:
     """Return the combined effect of the 3D reference's modelling choices on a quantity [%], by the name of the scene.
 
-    Only scenes on which choices were varied are included. ``study``: cache of scenes and 3D references.
+    Only scenes on which choices were varied are included. ``cache``: cache of scenes and 3D references.
     """
-    changes = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
+    changes = {name: combined_choice_effect(cache, name, quantity) for name in VARIED}
     return {name: u for name, u in changes.items() if u is not None}
 
 
 @dataclass(frozen=True)
-class Validated:
+class ErrorWithUncertainty:
     """Error of a model in one quantity of a scene, with the parts of the validation uncertainty u_val.
 
     For contact loads, error and uncertainty are those of the contact with the largest error.
@@ -338,10 +343,10 @@ class Validated:
     #: mean load.
     ratio: tuple[float, ...]
     #: Name of the scene on which the modelling choices of the 3D reference were varied; empty: none.
-    varied: str
+    scene_with_varied_choices: str
 
     @property
-    def bar(self) -> str:
+    def uncertainty_text(self) -> str:
         """Text that states the validation uncertainty u_val in per cent, or why it is not known."""
         if np.isfinite(self.combined):
             return f"u_val {self.combined:.2f} %"
@@ -349,34 +354,49 @@ class Validated:
         return f"u_val not known ({why})"
 
 
-def validated_error(study: Study, name: str, model: str, quantity: Quantity, answer: Loads) -> Validated | None:
+def error_with_validation_uncertainty(
+    cache: SceneResultCache, scene_name: str, model: str, quantity: ComparedQuantity, solution: ContactSolution
+) -> ErrorWithUncertainty | None:
     """Return the error of a model in one quantity of a scene against the 3D reference, with its validation uncertainty.
 
-    ``study``: cache of scenes and 3D references; ``name``: name of the scene; ``answer``: contact loads and displacements
-    by the model ``model``. None without a stored 3D reference.
+    ``cache``: cache of scenes and 3D references; ``scene_name``: name of the scene; ``solution``: contact loads and
+    displacements by the model ``model``. None without a stored 3D reference.
     """
-    ref, parts = study.reference(name), study.compute_once(validation_uncertainty, name, quantity)
+    ref, parts = cache.stored_reference(scene_name), cache.compute_once(validation_uncertainty, scene_name, quantity)
     if ref is None or parts is None:
         return None
-    scene = study.scene(name)
-    reference = quantity.take(scene, loads_from_run(ref.best, ""))
-    value = quantity.take(scene, answer)
+    scene = cache.built_in_scene(scene_name)
+    reference = quantity.values_of_solution(scene, solution_from_run(ref.best, ""))
+    value = quantity.values_of_solution(scene, solution)
     error = difference_percent(quantity, value, reference, ref.mean)
-    floor = 0.1 * ref.mean if quantity.of_mean else 0.0
+    floor = 0.1 * ref.mean if quantity.in_percent_of_mean_load else 0.0
     # every loaded contact counts; a scalar quantity counts as one value
-    judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
-    big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
+    judged = ((value > 0.0) | (reference > 0.0)) if quantity.in_percent_of_mean_load else np.ones(value.shape, dtype=bool)
+    big = judged & (reference > floor) & (value > 0.0) if quantity.in_percent_of_mean_load else reference * value > 0.0
     worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
-    u_val, of_reference = parts.combined(), parts.combined(GRID, CHOICES)
+    u_val, of_reference = parts.root_sum_of_squares(), parts.root_sum_of_squares(GRID, CHOICES)
     each = (parts.parts[name] for name in (GRID, CHOICES, INPUT))
     off, grid, choices, inputs, whole = (float(np.ravel(x)[worst]) for x in (error, *each, u_val))
     within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (u_val, of_reference))
     ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
-    return Validated(name, model, quantity.name, off, grid, choices, inputs, whole, within, within_own, ratio, parts.varied)
+    return ErrorWithUncertainty(
+        scene_name,
+        model,
+        quantity.name,
+        off,
+        grid,
+        choices,
+        inputs,
+        whole,
+        within,
+        within_own,
+        ratio,
+        parts.scene_with_varied_choices,
+    )
 
 
 @dataclass(frozen=True)
-class Scatter:
+class BiasAndScatter:
     """Bias and scatter of a model's errors against the 3D reference in one quantity, over all scenes."""
 
     #: Name of the model.
@@ -397,7 +417,7 @@ class Scatter:
     within_own: float
 
 
-def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
+def bias_and_scatter(rows: Sequence[ErrorWithUncertainty]) -> list[BiasAndScatter]:
     """Compute bias and scatter of the errors of each model in each quantity, with a record for each such pair.
 
     ``rows``: errors with their uncertainties, one for each scene, model and quantity.
@@ -417,7 +437,7 @@ def bias_and_scatter(rows: Sequence[Validated]) -> list[Scatter]:
         bias = float(error_percent(np.exp(logs.mean()), 1.0))
         left = float(error_percent(np.sqrt(max(variance - spread**2, 0.0)), 0.0, 1.0))
         shares = [float(np.mean(x)) for x in ([r.within for r in group], [r.within_own for r in group])]
-        out.append(Scatter(model, name, len(group), logs.size, bias, left, *shares))
+        out.append(BiasAndScatter(model, name, len(group), logs.size, bias, left, *shares))
     return out
 
 
@@ -442,7 +462,7 @@ def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, 
 
 
 @dataclass(frozen=True)
-class ChoiceEffects:
+class LargestChoiceEffects:
     """Largest effects of modelling choices (such as idealisations) of the 3D reference on the contact loads of a scene."""
 
     #: Name of the scene.
@@ -467,7 +487,7 @@ class LoadUncertainty:
     #: Whether this part is estimated from other scenes, because the scene was solved on a single mesh level.
     by_experience: bool = quantity_field("discretisation_by_experience")
     #: Part due to modelling choices, with the dominant choice and the scene on which they were varied.
-    choices: ChoiceEffects | None = quantity_field(
+    choices: LargestChoiceEffects | None = quantity_field(
         "modelling_percent",
         "largest change of a contact load by modelling choices of the 3D reference, which finer meshes do not show",
         QuantityDescription("modelling_dominated_by", show=lambda choices: choices and choices.choice),
@@ -520,10 +540,10 @@ class LoadUncertainty:
         choices = np.nan if self.choices is None else self.choices.percent
         inputs = np.nan if self.inputs is None else self.inputs
         parts = {GRID: self.discretisation, CHOICES: choices, INPUT: inputs, SECOND: self.second_order}
-        return float(Uncertainty(parts).combined(unknown=0.0))
+        return float(UncertaintyParts(parts).root_sum_of_squares(unknown=0.0))
 
     @property
-    def text(self) -> str:
+    def uncertainty_text(self) -> str:
         """Text that states the total uncertainty of the contact loads and its parts."""
         if self.stated:
             return self.stated
@@ -543,7 +563,7 @@ class LoadUncertainty:
         return f"uncertain by {self.percent:.2f} % in total: {grid}; {modelling}; {inputs}; {second}"
 
     @property
-    def beside(self) -> str:
+    def shared_error_sentence(self) -> str:
         """Sentence on an error of all contact loads that no part includes; empty if equilibrium determines their sum."""
         if not self.shared:
             return ""
@@ -573,89 +593,97 @@ def uncertainty_of_loads(scene: Scene, reference: Reference, *, inputs: bool = T
     """
     if reference.stated:
         return LoadUncertainty(largest_uncertainty_percent(reference), False, None, None, "", 0.0, False, reference.stated)
-    share, name = _largest_input_effect(scene) if inputs else (None, "")
-    lip, at = largest_face_error(reference)
+    share, name = _largest_combined_input_effect(scene) if inputs else (None, "")
+    lip, at = largest_uncertainty_near_face(reference)
     return LoadUncertainty(
         largest_uncertainty_percent(reference),
-        reference.parts.by_experience,
+        reference.parts.is_from_other_scenes,
         applicable_choice_effects(replace(scene, name=reference.best.scene), read_choice_effects(shipped_store())),
         share,
         name,
-        large_displacement_effect(scene, reference),
+        effect_of_large_displacements(scene, reference),
         has_both_flanks_loaded(reference.load),
         beside_face=lip,
         at_face=at,
     )
 
 
-def largest_face_error(reference: Reference) -> tuple[float, str]:
+def largest_uncertainty_near_face(reference: Reference) -> tuple[float, str]:
     """Return the largest uncertainty of a contact load due to a near free face of the nut [% of the mean load].
 
     Also returned is the contact, as text with ball and flank. Zero and an empty text if this part does not exceed the rest
     of the uncertainty due to the mesh.
     """
     share = np.zeros(1) if reference.beside_face is None else error_percent(reference.beside_face, 0.0, reference.mean)
-    if share.max() <= reference.parts.bar or not reference.parts.bar:
+    if share.max() <= reference.parts.uncertainty or not reference.parts.uncertainty:
         return 0.0, ""
     ball, side = np.unravel_index(int(share.argmax()), share.shape)
     return float(share.max()), f"ball {ball + 1} {SIDES[side]}"
 
 
-def large_displacement_effect(scene: Scene, reference: Reference) -> float:
+def effect_of_large_displacements(scene: Scene, reference: Reference) -> float:
     """Return by how much large displacements reduce the largest contact load [% of the mean load]; 0 without load."""
-    worst = rate_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst
+    worst = results_of_contact_loads(scene, reference.load, np.radians(reference.best.angle)).worst_contact
     if worst is None:
         return 0.0
     lost = SECOND_ORDER * worst.a / scene.balls.radius * worst.force
     return float(error_percent(lost, 0.0, mean_load(reference.load)))
 
 
-def _largest_input_effect(scene: Scene) -> tuple[float | None, str]:
+def _largest_combined_input_effect(scene: Scene) -> tuple[float | None, str]:
     """Return the combined effect of all input tolerances on the most affected contact load [% of the mean load].
 
     Also returned is the name of the input with the largest effect. None and an empty text if the model "lin", which
     computes the effects, does not cover or does not solve the scene.
     """
-    study = Study()
-    if not MODELS[SENSITIVE].suits(scene) or not study.solve(scene, SENSITIVE).converged:
+    study = SceneResultCache()
+    if not MODELS[SENSITIVE].covers_scene(scene) or not study.solve_once(scene, SENSITIVE).converged:
         return None, ""
-    parts, most = input_uncertainty(study, scene, QUANTITIES[0])
+    parts, most = combined_input_effect(study, scene, QUANTITIES[0])
     return float(parts.max()), most
 
 
-def choice_effects_record(varied: Modelling) -> ChoiceEffects:
+def largest_choice_effects(uncertainty: ModellingUncertainty) -> LargestChoiceEffects:
     """Return the largest effects of the 3D reference's modelling choices on one scene, as a record that can be stored.
 
-    ``varied``: effects of all choices on the contact loads of the scene.
+    ``uncertainty``: effects of all choices on the contact loads of the scene.
     """
-    first = max(varied.choices, key=lambda name: varied.choices[name])
-    return ChoiceEffects(varied.scene, varied.largest, first, varied.choices[first])
+    first = max(uncertainty.choices, key=lambda name: uncertainty.choices[name])
+    return LargestChoiceEffects(uncertainty.scene, uncertainty.largest, first, uncertainty.choices[first])
 
 
-def applicable_choice_effects(scene: Scene, known: Mapping[str, ChoiceEffects]) -> ChoiceEffects | None:
+def applicable_choice_effects(
+    scene: Scene, effects_by_scene: Mapping[str, LargestChoiceEffects]
+) -> LargestChoiceEffects | None:
     """Return those stored effects of the 3D reference's modelling choices that apply to a scene.
 
-    ``known``: stored effects by the name of the scene on which choices were varied.
+    ``effects_by_scene``: stored effects by the name of the scene on which choices were varied.
 
     Returned are the effects on a scene with the same parts; without such a scene, the largest stored effects. None if no
     effect is stored, or if the scene is outside the range of the compared scenes.
     """
     if descriptors_outside_range(scene):
         return None
-    return known.get(SPOKEN_FOR.get(scene.name, "")) or max(known.values(), key=lambda c: c.percent, default=None)
+    return effects_by_scene.get(SPOKEN_FOR.get(scene.name, "")) or max(
+        effects_by_scene.values(), key=lambda c: c.percent, default=None
+    )
 
 
-def save_choice_effects(store: Path, known: Mapping[str, ChoiceEffects]) -> None:
-    """Write the effects ``known`` of modelling choices, by scene, to the folder ``store``; OSError if that fails."""
-    replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in known.items()}, indent=1) + "\n")
+def save_choice_effects(store: Path, effects_by_scene: Mapping[str, LargestChoiceEffects]) -> None:
+    """Write the effects ``effects_by_scene`` of modelling choices, by scene, to the folder ``store``.
+
+    OSError if that fails.
+    """
+    replace_file(store / FILE, json.dumps({name: asdict(c) for name, c in effects_by_scene.items()}, indent=1) + "\n")
 
 
 @cache
-def read_choice_effects(store: Path) -> dict[str, ChoiceEffects]:
+def read_choice_effects(store: Path) -> dict[str, LargestChoiceEffects]:
     """Read the effects of the 3D reference's modelling choices, by scene, from the folder ``store`` of its runs.
 
     OSError, ValueError or TypeError if the file cannot be used.
     """
     return {
-        name: ChoiceEffects(**fields) for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()
+        name: LargestChoiceEffects(**fields)
+        for name, fields in json.loads((store / FILE).read_text(encoding="utf-8")).items()
     }

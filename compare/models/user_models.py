@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, ProgramError, Refusal
+from rollbench.compare.errors import ArgumentError, ProgramError, SceneNotCoveredError
 from rollbench.compare.models import programs
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen, scene_with_drawn_errors
+from rollbench.meshes.errors import draw_geometry_with_errors, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
@@ -79,7 +79,7 @@ UserModel = Callable[[Scene], Array | ModelAnswer]
 
 
 @cache
-def installed_models() -> dict[str, EntryPoint]:
+def entry_points_of_installed_models() -> dict[str, EntryPoint]:
     """Return the entry points of all models in installed packages, without importing the packages.
 
     Returns
@@ -106,9 +106,9 @@ def origin_of_model(name: str) -> str:
         Function ``module:name``, with name and version of its package; for a command, the names of its files with hashes of
         their contents.
     """
-    if programs.is_command(name):
-        return programs.parse_command(name).files
-    point = installed_models()[name]
+    if programs.is_program_command(name):
+        return programs.parse_command(name).file_names_with_hashes
+    point = entry_points_of_installed_models()[name]
     return point.value if point.dist is None else f"{point.value}, {point.dist.name} {point.dist.version}"
 
 
@@ -132,11 +132,11 @@ def load_user_model(name: str) -> UserModel:
         If several packages have a model of this name, if the package cannot be imported or lacks the function, or if the
         command is not valid.
     """
-    if programs.is_command(name):
-        return partial(_answer_of_program, programs.parse_command(name))
+    if programs.is_program_command(name):
+        return partial(_run_program_as_model, programs.parse_command(name))
     from importlib.metadata import entry_points
 
-    point = installed_models()[name]
+    point = entry_points_of_installed_models()[name]
     if others := [other.value for other in entry_points(group=GROUP, name=name) if other.value != point.value]:
         raise _unusable_model_error(point, f"{', '.join(others)} also has this name")
     try:
@@ -149,20 +149,20 @@ def load_user_model(name: str) -> UserModel:
     return found
 
 
-def _answer_of_program(program: programs.Program, scene: Scene) -> ModelAnswer:
+def _run_program_as_model(program: programs.ExternalProgram, scene: Scene) -> ModelAnswer:
     """Run an external program for a scene, and return the contact loads, displacement and pressures that it wrote."""
     given, moved = program(scene)
-    pressure = given.further.get("pressure")
+    pressure = given.further_quantities.get("pressure")
     return ModelAnswer(given.load, moved, None if pressure is None else np.nan_to_num(pressure))
 
 
-def _unusable_model_error(point: EntryPoint, reason: str) -> ArgumentError:
+def _unusable_model_error(entry_point: EntryPoint, reason: str) -> ArgumentError:
     """Return the ArgumentError for a model of an installed package that cannot be used.
 
-    ``point``: entry point of the model in the package; ``reason``: why it cannot be used.
+    ``entry_point``: entry point of the model in the package; ``reason``: why it cannot be used.
     """
     advice = "correct the package that provides the model, or uninstall it"
-    return ArgumentError("model", f"{point.name} ({point.value}): {reason}", "a function of a scene", advice)
+    return ArgumentError("model", f"{entry_point.name} ({entry_point.value}): {reason}", "a function of a scene", advice)
 
 
 def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResult:
@@ -193,7 +193,7 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
     ProgramError
         If the external program fails.
     """
-    from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
+    from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
     from rollbench.lowfi.statics.problem import SIGNS
     from rollbench.lowfi.statics.result import SolverReport, StaticResult, Status
 
@@ -205,20 +205,22 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
         raise
     except Exception as error:  # whatever the user's function raises
         advice = "correct the model, or choose another one"
-        raise Refusal(scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice) from error
+        raise SceneNotCoveredError(
+            scene.name, "model", f"{shown} fails with {type(error).__name__}: {error}", advice
+        ) from error
     seconds = perf_counter() - start
     answer = found if isinstance(found, ModelAnswer) else ModelAnswer(found)
-    load_of = _checked_numbers(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
+    load_of = _check_model_array(shown, "loads", answer.loads, (layout.z.size, 4), least=0.0)
     pressure, moved = None, np.full(6, np.nan)
     if answer.pressure is not None:
-        pressure = _checked_numbers(shown, "pressure", answer.pressure, load_of.shape, least=0.0)
+        pressure = _check_model_array(shown, "pressure", answer.pressure, load_of.shape, least=0.0)
     if answer.displacement is not None:
-        moved = _checked_numbers(shown, "displacement", answer.displacement, (6,))
+        moved = _check_model_array(shown, "displacement", answer.displacement, (6,))
     beta = scene.track.contact_angle
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     normal = np.einsum("sa,nak->nsk", SIGNS * np.array([cos(beta), sin(beta)]), axes)
     points = layout.centre[:, None, :] + scene.balls.radius * normal
-    balance = _contact_balance(scene, load_of, points, normal)
+    balance = _equilibrium_of_contact_loads(scene, load_of, points, normal)
     return StaticResult(
         model=name,
         status=Status("converged"),
@@ -229,72 +231,76 @@ def solve_by_user_model(name: str, scene: Scene, member: int = 0) -> StaticResul
         contact_point=points,
         force_direction=-normal,
         centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_C(with_error_free_hertz(scene), draw_specimen(scene, layout, member)),
+        hertz_C=hertz_constants_by_scene_choice(
+            scene_with_error_free_hertz(scene), draw_geometry_with_errors(scene, layout, member)
+        ),
         centreline_z=np.array([scene.nut.position]),
         centreline=moved[None],
         equilibrium=balance,
         solver=SolverReport(1, 1, balance.largest, seconds, load_of.size, 0, "user", "of the model"),
         assumed=(*scene.assumed, ASSUMPTION),
         left_out=(),
-        warnings=tuple(_equilibrium_warnings(shown, balance)),
+        warnings=tuple(_imbalance_warnings(shown, balance)),
         pressure=pressure,
     )
 
 
-def _equilibrium_warnings(name: str, balance: Equilibrium) -> Iterator[Warned]:
-    """Yield a warning if the contact loads of the model ``name`` do not balance the external loads and support reactions.
+def _imbalance_warnings(model_name: str, balance: Equilibrium) -> Iterator[ResultWarning]:
+    """Yield a warning if a user model's contact loads do not balance the external loads and support reactions.
 
     ``balance``: forces and moments on the screw, with the rest that is not in balance.
     """
     if balance.largest > UNBALANCED:
-        brief = f"loads of {name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
-        yield Warned("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
+        brief = f"loads of {model_name} out of balance by {100.0 * balance.largest:.3g} % of the largest force or moment"
+        yield ResultWarning("balance", f"{brief}: check their units, signs and the order of the flanks", brief)
 
 
-def _contact_balance(scene: Scene, load_of: Array, points: Array, normal: Array) -> Equilibrium:
+def _equilibrium_of_contact_loads(
+    scene: Scene, contact_loads: Array, contact_points: Array, contact_normals: Array
+) -> Equilibrium:
     """Return the balance of external loads, contact loads and support reactions on the screw.
 
-    ``load_of``: contact loads of n balls (n, 4) [N]; ``points``: contact points (n, 4, 3) [m]; ``normal``: unit vectors
-    from the ball centres to these points (n, 4, 3). Support reactions are fitted by least squares; the rest is the
-    imbalance.
+    ``contact_loads``: contact loads of n balls (n, 4) [N]; ``contact_points``: contact points (n, 4, 3) [m];
+    ``contact_normals``: unit vectors from the ball centres to these points (n, 4, 3). Support reactions are fitted by least
+    squares; the rest is the imbalance.
     """
-    from rollbench.lowfi.statics.shape import rigid_transport
-    from rollbench.lowfi.statics.summary import check_equilibrium, wrench_of
+    from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
+    from rollbench.lowfi.statics.summary import check_equilibrium, resultant_of_loads
 
-    force = load_of[..., None] * normal  # of the balls on screw and nut
-    moments = np.cross(points[:, :2], force[:, :2])
+    force = contact_loads[..., None] * contact_normals  # of the balls on screw and nut
+    moments = np.cross(contact_points[:, :2], force[:, :2])
     contact = np.concatenate([force[:, :2].sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
-    applied, arm = wrench_of(scene.loads), scene.track.pitch_radius
-    held = [rigid_transport(s.at)[FREEDOMS.index(freedom)] for s in scene.supports for freedom, _ in s.fixed]
+    applied, arm = resultant_of_loads(scene.loads), scene.track.pitch_radius
+    held = [rigid_motion_transfer_matrix(s.at)[FREEDOMS.index(freedom)] for s in scene.supports for freedom, _ in s.fixed]
     reaction = np.zeros(6)
     if held:
         scale = np.array([1.0, 1.0, 1.0, arm, arm, arm])
         unit = np.array(held).T / scale[:, None]
         sizes = np.linalg.lstsq(unit, -(applied + contact) / scale, rcond=None)[0]
         reaction = scale * (unit @ sizes)
-    size = max(float(load_of.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
+    size = max(float(contact_loads.max(initial=0.0)), *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)))
     sums = applied, reaction, contact, np.zeros(6)
     return check_equilibrium(sums, size, arm, (0.0, 0.0), np.linalg.norm(force.sum(axis=1), axis=1))
 
 
-def _checked_numbers(name: str, what: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
+def _check_model_array(model_name: str, quantity: str, value: Array, shape: Sequence[int], least: float = -np.inf) -> Array:
     """Check shape and values of an array that a user's model returned, and return it as an array of floats.
 
-    ``name``: name of the model; ``what``: name of the quantity, for error messages; ``value``: the array. ArgumentError if
-    it does not have the shape ``shape``, or if one of its numbers is not finite or is below ``least``.
+    ``model_name``: name of the model; ``quantity``: name of the quantity, for error messages; ``value``: the array.
+    ArgumentError if it does not have the shape ``shape``, or if one of its numbers is not finite or is below ``least``.
     """
     advice = "correct the model"
     allowed_shape = f"an array of shape {shape}"
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise ArgumentError("model", f"{what} from {name} that are not numbers", allowed_shape, advice) from None
+        raise ArgumentError("model", f"{quantity} from {model_name} that are not numbers", allowed_shape, advice) from None
     if array.shape != tuple(shape):
-        raise ArgumentError("model", f"{what} of shape {array.shape} from {name}", allowed_shape, advice)
+        raise ArgumentError("model", f"{quantity} of shape {array.shape} from {model_name}", allowed_shape, advice)
     wrong = ~np.isfinite(array) | (array < least)
     if wrong.any():
         place = tuple(int(k) for k in np.argwhere(wrong)[0])
         where = f" on ball {place[0] + 1}, {SIDES[place[1]]}" if len(place) > 1 else ""
         allowed = "finite numbers" if least == -np.inf else f"finite numbers, at least {least:g}"
-        raise ArgumentError("model", f"{what} of {array[place]:g}{where} from {name}", allowed, advice)
+        raise ArgumentError("model", f"{quantity} of {array[place]:g}{where} from {model_name}", allowed, advice)
     return array

@@ -13,19 +13,19 @@ from rollbench.compare import __version__
 from rollbench.compare.reference.levels import LEVELS, VARIANTS
 from rollbench.compare.reference.store import Run, measuring_conditions, program_versions
 from rollbench.compare.reference.tasks import (
-    SetUp,
+    MeshSpecification,
+    ReferenceTask,
     Solvable,
-    Task,
     ball_slices_by_set,
     flanks_to_mesh,
-    node_stations,
-    refusal_of_reference,
-    settings_to_store,
-    setups_to_mesh,
+    mesh_settings_to_store,
+    mesh_specifications,
+    refusal_of_3d_reference,
+    stations_of_load_cases,
 )
 from rollbench.compare.running import check_reference_programs, out_of_memory_error
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.cache import StageDone
+from rollbench.meshes.cache import StageMessage
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import peak_memory_MB
@@ -33,7 +33,7 @@ from rollbench.meshes.processes import peak_memory_MB
 if TYPE_CHECKING:
     from rollbench.hifi.meshing.settings import Settings
     from rollbench.hifi.reference import ReferenceResult
-    from rollbench.hifi.setup import Setup
+    from rollbench.hifi.setup import CondensedGeometry
 
 Step = Callable[[str], None]
 
@@ -47,7 +47,7 @@ ALIKE = 0.99
 GROWN = 5e-3
 
 
-def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
+def compute_reference_runs(task: ReferenceTask, step: Step = lambda _: None) -> list[Run]:
     """Compute the results (runs) of the 3D reference for the scenes of a task.
 
     Parameters
@@ -67,10 +67,10 @@ def compute_runs(task: Task, step: Step = lambda _: None) -> list[Run]:
     InputError
         If a mesh cannot be built, or memory runs out.
     """
-    return compute_with_bodies(task, step)[0]
+    return compute_runs_and_bodies(task, step)[0]
 
 
-def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
+def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
     """Compute the results (runs) of the 3D reference for the scenes of a task, and its condensed screw and nut.
 
     If a contact reaches the rim of its patch (the finely meshed part of the surface), the patches are enlarged as the loads
@@ -88,7 +88,7 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     list of Run
         A run for each scene.
     CondensedBodies or None
-        Condensed screw and nut; None if a run did not converge, or `stores_bodies` is false for the task.
+        Condensed screw and nut; None if a run did not converge, or `are_bodies_stored` is false for the task.
 
     Raises
     ------
@@ -101,77 +101,95 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
     change = VARIANTS[task.variant].change if task.variant else lambda scene: scene
     scenes = [change(scene) if isinstance(scene, Scene) else scene for scene in task.scenes]
-    ups, balls = setups_to_mesh(scenes, task.level, task.variant), ball_slices_by_set(scenes[0])
-    ups = tuple(replace(up, settings=replace(up.settings, cell=task.cut_cells * up.settings.cell)) for up in ups)
+    ups, balls = mesh_specifications(scenes, task.level, task.variant), ball_slices_by_set(scenes[0])
+    ups = tuple(
+        replace(up, mesh_settings=replace(up.mesh_settings, cell=task.cut_end_cell_ratio * up.mesh_settings.cell))
+        for up in ups
+    )
     for attempt in range(ENLARGE + 1):
-        setups = _prepare_setups(task, scenes, ups, step)
+        setups = _mesh_and_condense_each_set(task, scenes, ups, step)
         results = [_solve_load_case(scene, setups, step) for scene in scenes]
-        full = [(result.load, result.contact_angle) for result in results if result.status == AT_RIM]
+        full = [(result.contact_loads, result.contact_angles) for result in results if result.status == AT_RIM]
         if not full:
             break
         larger = []
         for up in ups:
-            contacts = [(load[balls[k]], angle[balls[k]]) for load, angle in full for k in up.sets]
-            settings, why = settings_with_larger_patches(setups[up.sets[0]], contacts, max(0, ENLARGE - 1 - attempt))
-            larger.append(up if settings is None else replace(up, settings=settings))
+            contacts = [(load[balls[k]], angle[balls[k]]) for load, angle in full for k in up.set_numbers]
+            settings, why = settings_with_larger_patches(setups[up.set_numbers[0]], contacts, max(0, ENLARGE - 1 - attempt))
+            larger.append(up if settings is None else replace(up, mesh_settings=settings))
         words = "a contact reaches the rim of its patch"
         if tuple(larger) == ups or attempt == ENLARGE:
             results = [replace(r, status=f"{words}: {why}") if r.status == AT_RIM else r for r in results]
             break
         ups = tuple(larger)
         step(f"{words}, larger patches: {why}")
-    runs = [_run_record(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
-    good = stores_bodies(task) and all(run.answers for run in runs)
+    runs = [_create_run_record(task, k, scene, results[k], setups, ups) for k, scene in enumerate(scenes)]
+    good = are_bodies_stored(task) and all(run.answers for run in runs)
     return runs, collect_condensed_bodies(setups[0], task.level) if good else None
 
 
-def _prepare_setups(task: Task, scenes: Sequence[Solvable], ups: Sequence[SetUp], step: Step) -> list[Setup]:
+def _mesh_and_condense_each_set(
+    task: ReferenceTask, scenes: Sequence[Solvable], ups: Sequence[MeshSpecification], step: Step
+) -> list[CondensedGeometry]:
     """Mesh and condense the parts of each nut or bearing row on the shaft, and return the condensed parts of each.
 
     ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of what is meshed; equal rows share the
     same condensed parts; ``step``: function that is called with lines of progress. InputError if a mesh cannot be built or
     memory is too small.
     """
-    from rollbench.hifi.setup import prepare
+    from rollbench.hifi.setup import mesh_and_condense_geometry
     from rollbench.meshes.cache import Cache
 
-    by_set: dict[int, Setup] = {}
+    by_set: dict[int, CondensedGeometry] = {}
     for up in ups:
         if not isinstance(scenes[0], Scene):
-            step(f"bodies of {', '.join(scenes[0].sets[k].name for k in up.sets)}")
+            step(f"bodies of {', '.join(scenes[0].sets[k].name for k in up.set_numbers)}")
         more = [scene for scene in scenes[1:] if isinstance(scene, Scene)]
         try:
-            setup = prepare(up.bodies, up.sides, up.settings, step, more, cache=Cache(task.cache), processes=task.processes)
+            setup = mesh_and_condense_geometry(
+                up.parts,
+                up.meshed_flanks,
+                up.mesh_settings,
+                step,
+                more,
+                cache=Cache(task.cache_folder),
+                processes=task.processes,
+            )
         except MemoryError as error:
             raise out_of_memory_error(error) from error
         except ValueError as error:
-            raise refusal_of_reference(scenes[0], error) from error
-        by_set |= dict.fromkeys(up.sets, setup)
+            raise refusal_of_3d_reference(scenes[0], error) from error
+        by_set |= dict.fromkeys(up.set_numbers, setup)
     return [by_set[k] for k in sorted(by_set)]
 
 
-def _solve_load_case(scene: Solvable, setups: Sequence[Setup], step: Step) -> ReferenceResult:
+def _solve_load_case(scene: Solvable, setups: Sequence[CondensedGeometry], step: Step) -> ReferenceResult:
     """Solve one load case by the 3D reference.
 
     ``setups``: meshed and condensed parts of each nut or bearing row; ``step``: function that is called with lines of
     progress. Refusal if the 3D reference does not cover the scene.
     """
     from rollbench.hifi.reference import solve_reference
-    from rollbench.hifi.several_sets import solve_sets
+    from rollbench.hifi.several_sets import solve_nuts_on_one_shaft
 
     try:
         if isinstance(scene, Scene):
             result = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), frozen=True, step=step)
         else:
-            result = solve_sets(scene, setups, frozen=True, step=step)
+            result = solve_nuts_on_one_shaft(scene, setups, frozen=True, step=step)
     except ValueError as error:
-        raise refusal_of_reference(scene, error) from error
-    step(StageDone("contact loads", f"{result.seconds:.1f} s, {scene.name} {result.status}"))
+        raise refusal_of_3d_reference(scene, error) from error
+    step(StageMessage("contact loads", f"{result.solve_seconds:.1f} s, {scene.name} {result.status}"))
     return result
 
 
-def _run_record(
-    task: Task, number: int, scene: Solvable, result: ReferenceResult, setups: Sequence[Setup], ups: Sequence[SetUp]
+def _create_run_record(
+    task: ReferenceTask,
+    number: int,
+    scene: Solvable,
+    result: ReferenceResult,
+    setups: Sequence[CondensedGeometry],
+    ups: Sequence[MeshSpecification],
 ) -> Run:
     """Create the record that is stored for one load case which the 3D reference has solved.
 
@@ -181,37 +199,40 @@ def _run_record(
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
     without = {}
-    if task.ablate and isinstance(scene, Scene):
+    if task.leave_out_each_part and isinstance(scene, Scene):
         for name in INGREDIENTS:
             without[name] = solve_reference(setups[0], scene, sides=flanks_to_mesh(scene), leave_out=frozenset([name]))
     shared = list({id(s): s for s in setups}.values())
     settings = (
-        settings_to_store(ups) if not task.single else asdict(ups[0].settings) | {"stations": node_stations(*task.scenes)}
+        mesh_settings_to_store(ups)
+        if not task.single_row_scenes
+        else asdict(ups[0].mesh_settings) | {"stations": stations_of_load_cases(*task.scenes)}
     )
-    assert result.frozen is not None
+    assert result.loads_with_nominal_normals is not None
     return Run(
         scene=task.scenes[number].name,
         level=task.level,
         variant=task.variant,
         status=result.status,
-        moving=result.moving,
-        load=result.load,
-        angle=np.degrees(result.contact_angle),
-        frozen=result.frozen,
-        centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
-        without={name: ablated.load for name, ablated in without.items()},
-        without_seconds={name: ablated.seconds for name, ablated in without.items()},
-        sides=tuple(sorted({side for s in setups for side in s.sides})),
-        unknowns=result.unknowns,
-        stages={name: sum(s.seconds.get(name, 0.0) for s in shared) for name in shared[0].seconds},
-        solve_seconds=result.seconds,
-        peak_MB=None if (peak := peak_memory_MB()) is None else peak + max(s.others_MB for s in shared),
-        balance=result.balance,
-        along_groove=result.along_groove,
-        screw_balance=result.screw_balance,
-        quality=shared[0].quality | {name: min(s.quality[name] for s in shared) for name in ("screw", "nut", "ball")},
+        moving=result.remaining_load_change,
+        load=result.contact_loads,
+        angle=np.degrees(result.contact_angles),
+        frozen=result.loads_with_nominal_normals,
+        centreline=np.column_stack([result.centreline_positions, result.centreline_motion[:, :3]]),
+        without={name: ablated.contact_loads for name, ablated in without.items()},
+        without_seconds={name: ablated.solve_seconds for name, ablated in without.items()},
+        sides=tuple(sorted({side for s in setups for side in s.loaded_flanks})),
+        unknowns=result.degree_of_freedom_count,
+        stages={name: sum(s.seconds_by_stage.get(name, 0.0) for s in shared) for name in shared[0].seconds_by_stage},
+        solve_seconds=result.solve_seconds,
+        peak_MB=None if (peak := peak_memory_MB()) is None else peak + max(s.worker_peak_memory_MB for s in shared),
+        balance=result.unbalanced_ball_force,
+        along_groove=result.unbalanced_force_along_groove,
+        screw_balance=result.unbalanced_shaft_force,
+        quality=shared[0].mesh_quality
+        | {name: min(s.mesh_quality[name] for s in shared) for name in ("screw", "nut", "ball")},
         settings=settings,
-        assumed=tuple(dict.fromkeys(line for s in shared for line in s.dims.assumed)),
+        assumed=tuple(dict.fromkeys(line for s in shared for line in s.solid_dimensions.assumed)),
         versions={"rollbench": __version__, **program_versions()},
         sources=measuring_conditions().sources,
         machine=measuring_conditions().machine,
@@ -220,7 +241,7 @@ def _run_record(
 
 
 def settings_with_larger_patches(
-    setup: Setup, contacts: Sequence[tuple[Array, Array]], steps_left: int
+    setup: CondensedGeometry, loads_and_angles: Sequence[tuple[Array, Array]], steps_left: int
 ) -> tuple[Settings | None, str]:
     """Return mesh settings whose contact patches (fine meshes) are large enough for computed contact loads.
 
@@ -231,7 +252,7 @@ def settings_with_larger_patches(
     ----------
     setup
         Meshed and condensed parts with the present patches.
-    contacts
+    loads_and_angles
         Computed contact loads (n, 4) [N] and contact angles (n, 4) [rad] of each load case.
     steps_left
         Number of enlargements that are still possible after this one.
@@ -243,33 +264,36 @@ def settings_with_larger_patches(
     str
         Text with the required and the present size of the patches; without settings, also the reason.
     """
-    from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, reach_of_ellipses_along_groove
+    from rollbench.hifi.meshing.part_meshes import choose_patch_cells, choose_socket_size, reach_of_ellipses_along_groove
     from rollbench.hifi.meshing.settings import hertz_contacts_under_unit_force
 
     def zone(settings: Settings) -> tuple[float, float]:
         """Return the half widths [m] of the contact zone of a patch (fine mesh), across and along the groove."""
-        size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
-        widths = (size.gamma * float(setup.map.radius.mean()), size.phi * setup.map.R)
-        share = choose_patch_lines(settings, widths, size.depth)[1]
+        size = choose_socket_size(
+            setup.scene, setup.groove_map, setup.ball_positions, setup.loaded_flanks, setup.solid_dimensions, settings
+        )
+        widths = (size.gamma * float(setup.groove_map.radius.mean()), size.phi * setup.groove_map.R)
+        share = choose_patch_cells(settings, widths, size.depth)[1]
         return share[0] * widths[0], share[1] * widths[1]
 
     def patch_size_text(lengths: tuple[float, float]) -> str:
         return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
 
-    m, needs, askew = setup.map, np.zeros(2), 0.0
+    m, needs, askew = setup.groove_map, np.zeros(2), 0.0
     units = hertz_contacts_under_unit_force(setup.scene)
-    for load, touched in contacts:
+    for load, touched in loads_and_angles:
         size, angle = np.cbrt(load), np.where(load > 0.0, touched, m.beta)
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + np.abs(angle - m.beta) * m.radius).max()), float(along.max())])
         askew = max(
-            askew, *(reach_of_ellipses_along_groove(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.sides)
+            askew,
+            *(reach_of_ellipses_along_groove(m, s, angle[:, s], across[:, s], along[:, s]) for s in setup.loaded_flanks),
         )
-    has, reach = zone(setup.settings), np.array(setup.settings.reach)
+    has, reach = zone(setup.mesh_settings), np.array(setup.mesh_settings.reach)
     required = patch_size_text((float(needs[0]), float(needs[1])))
     words = f"the computed loads need {required}, the patch has {patch_size_text(has)}"
     refused, wide = "", max(float(reach[0]), float(needs[0]))
-    longer = replace(setup.settings, reach=(wide, askew))
+    longer = replace(setup.mesh_settings, reach=(wide, askew))
     try:
         last = BEYOND**steps_left * max(float(reach[1]), float(needs[1]) / BEYOND if steps_left else 0.0)
         if zone(replace(longer, reach=(wide, last)))[1] < ALIKE * askew <= zone(longer)[1]:
@@ -279,7 +303,7 @@ def settings_with_larger_patches(
     # a small step may be less than one cell, and a large step may exceed the available space: then the largest that fits
     for factor in (*(BEYOND**power for power in range(1, LARGER + 1)), *np.linspace(BEYOND, 1.0, 41)[1:-1]):
         a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()
-        larger = replace(setup.settings, reach=(a, b))
+        larger = replace(setup.mesh_settings, reach=(a, b))
         try:
             after = zone(larger)
         except ValueError as error:
@@ -292,9 +316,9 @@ def settings_with_larger_patches(
     )
 
 
-def stores_bodies(task: Task) -> bool:
+def are_bodies_stored(task: ReferenceTask) -> bool:
     """Return whether the condensed screw and nut of a task are stored together with its results.
 
     They are for scenes with one nut or bearing row, without a variant, on a regular mesh level.
     """
-    return bool(task.single) and not task.variant and task.level in LEVELS
+    return bool(task.single_row_scenes) and not task.variant and task.level in LEVELS

@@ -60,29 +60,29 @@ class Convergence:
     """Grid convergence of one quantity: order of convergence, extrapolated value and uncertainty."""
 
     #: Values on the mesh levels, coarse to fine.
-    values: tuple[float, ...]
+    values_by_level: tuple[float, ...]
     #: Kind of convergence, such as `MONOTONE`, or the reason why there is no credible order.
-    label: str
+    kind: str
     #: Order fitted to the values, credible or not; None if the values do not change monotonically.
-    own_order: float | None
+    fitted_order: float | None
     #: Value extrapolated to zero cell size; None without a credible order.
-    extrapolated: float | None
+    extrapolated_value: float | None
     #: Uncertainty of the finest value, in the unit of the quantity; None with one level.
     uncertainty: float | None
 
     @property
-    def order(self) -> float | None:
+    def credible_order(self) -> float | None:
         """Observed order of convergence; None if it is not credible."""
-        return self.own_order if self.label == MONOTONE else None
+        return self.fitted_order if self.kind == MONOTONE else None
 
     @property
-    def text(self) -> str:
+    def kind_text(self) -> str:
         """Kind of convergence as text, such as "monotone, order 1.85"."""
-        if self.own_order is None:
-            return self.label
-        if self.label == MONOTONE:
-            return f"monotone, order {self.own_order:.2f}"
-        return f"order out of range (p {_order_text(self.own_order)})"
+        if self.fitted_order is None:
+            return self.kind
+        if self.kind == MONOTONE:
+            return f"monotone, order {self.fitted_order:.2f}"
+        return f"order out of range (p {_order_text(self.fitted_order)})"
 
 
 def _order_text(p: float) -> str:
@@ -122,7 +122,7 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     ValueError
         If the sizes do not decrease, or their number differs from that of the values.
     """
-    y, h = _checked_levels(values, sizes)
+    y, h = _check_values_and_cell_sizes(values, sizes)
     n, column = len(h), y[:, 0]
     given_ = tuple(float(v) for v in column)
     if n == 1:
@@ -134,17 +134,17 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     label, order = _kind_of_convergence(column, h)
     free = [fit_searched_order(y, h, weighted) for weighted in (False, True)]
     good = [f for f in free if f.order is not None and ORDERS[0] <= f.order <= ORDERS[1]]
-    best = min(free, key=lambda f: f.deviation)
-    others = fit_fixed_orders(y, h, both=best.order is not None and best.order < ORDERS[0])
-    fit = min(good or others, key=lambda f: f.deviation)
-    sigma = fit.deviation if n > 3 or not good else min(f.deviation for f in others)
+    best = min(free, key=lambda f: f.standard_deviation)
+    others = fit_fixed_orders(y, h, with_mixed_order=best.order is not None and best.order < ORDERS[0])
+    fit = min(good or others, key=lambda f: f.standard_deviation)
+    sigma = fit.standard_deviation if n > 3 or not good else min(f.standard_deviation for f in others)
     spread = float(np.ptp(column)) / (n - 1)
     uncertainty = float(_uncertainty_of_finest(y, fit, sigma, SAFE if good else CAREFUL, spread)[0])
-    low, high = allowed_orders(y, h, best)
+    low, high = range_of_compatible_orders(y, h, best)
     if low <= 1.0 <= high:
-        first = min((f for f in others if f.form == "first order"), key=lambda f: f.deviation)
+        first = min((f for f in others if f.fitted_function == "first order"), key=lambda f: f.standard_deviation)
         uncertainty = max(uncertainty, float(_uncertainty_of_finest(y, first, sigma, SAFE, spread)[0]))
-    limit = float(fit.limit[0]) if good and label == MONOTONE else None
+    limit = float(fit.limits[0]) if good and label == MONOTONE else None
     return Convergence(given_, label, order, limit, uncertainty)
 
 
@@ -179,7 +179,7 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     ValueError
         If the sizes do not decrease, or their number differs from that of the levels.
     """
-    y, h = _checked_levels(values, sizes)
+    y, h = _check_values_and_cell_sizes(values, sizes)
     bars = np.zeros(y.shape[1])
     moving = np.array([not _is_constant(column) for column in y.T], dtype=bool)
     data = y[:, moving]
@@ -198,19 +198,28 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
     ``data``: values (levels, m), none of them equal on all levels; ``h``: cell sizes.
     """
-    free = min((fit_searched_order(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
-    low, high = allowed_orders(data, h, free)
+    free = min((fit_searched_order(data, h, weighted) for weighted in (False, True)), key=lambda f: f.standard_deviation)
+    low, high = range_of_compatible_orders(data, h, free)
     if high < ORDERS[0]:
-        fits, factor = [min(fit_fixed_orders(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
+        fits, factor = [min(fit_fixed_orders(data, h, with_mixed_order=True), key=lambda f: f.standard_deviation)], CAREFUL
     else:
         low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in (low, high))
-        fits, factor = [fit_given_order(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
+        fits, factor = (
+            [fit_given_order(data, h, float(p), free.weighted_by_cell_size) for p in np.linspace(low, high, STEPS)],
+            SAFE,
+        )
     return np.asarray(
-        np.max([_uncertainty_of_finest(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
+        np.max(
+            [
+                _uncertainty_of_finest(data, f, np.maximum(f.standard_deviations, f.standard_deviation), factor)
+                for f in fits
+            ],
+            axis=0,
+        )
     )
 
 
-def _checked_levels(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     """Check values and cell sizes of several mesh levels, and return both as arrays.
 
     They are the values of m quantities (levels, m), and the cell sizes relative to the finest (levels,).
@@ -248,40 +257,42 @@ def _kind_of_convergence(column: Array, h: Array) -> tuple[str, float | None]:
     return (MONOTONE if ORDERS[0] <= p <= ORDERS[1] else OUT_OF_RANGE), p
 
 
-def _uncertainty_of_finest(y: Array, fit: Fit, sigma: Array | float, factor: float, mean_change: float = np.inf) -> Array:
+def _uncertainty_of_finest(
+    y: Array, fit: ConvergenceFit, sigma: Array | float, factor: float, mean_change: float = np.inf
+) -> Array:
     """Return the uncertainty U of each quantity's value on the finest level, (m,), from a fit over all levels.
 
     ``y``: values (levels, m), coarse to fine; ``fit``: fit to these values; ``sigma``: standard deviation of the fit, a
     number or (m,); ``factor``: safety factor F; ``mean_change``: Delta, the mean change between levels; infinite: the first
     of the two formulas in the docstring of the module is used.
     """
-    error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
+    error, off = np.abs(y[-1] - fit.residuals[-1] - fit.limits), np.abs(fit.residuals[-1])
     if np.max(sigma) < mean_change:
         return np.asarray(factor * error + sigma + off)
     return np.asarray(CAREFUL * sigma / mean_change * (error + sigma + off))
 
 
 @dataclass(frozen=True)
-class Fit:
+class ConvergenceFit:
     """Least-squares fit of one or several quantities as functions of the cell size h."""
 
     #: Form of the fitted function, as text.
-    form: str
+    fitted_function: str
     #: Order p; None for a fit with fixed orders.
     order: float | None
     #: Whether levels are weighted by 1 / h (Eca and Hoekstra).
-    weighted: bool
+    weighted_by_cell_size: bool
     #: Limits of the quantities at h = 0, (m,); nan for orders without limit.
-    limit: Array
+    limits: Array
     #: Residuals, (levels, m).
-    residual: Array
+    residuals: Array
     #: Standard deviation of the residuals of all quantities; zero without degree of freedom.
-    deviation: float
+    standard_deviation: float
     #: Standard deviation of the residuals of each quantity, (m,); zero without degree of freedom.
-    own: Array
+    standard_deviations: Array
 
 
-def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
+def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> ConvergenceFit:
     """Fit m quantities by limit + slope h^p, with the common order p of least squared residuals.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``weighted``: whether the levels have weights 1 / h
@@ -297,7 +308,7 @@ def fit_searched_order(y: Array, h: Array, weighted: bool = False) -> Fit:
     return fit_given_order(y, h, at, weighted)
 
 
-def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
+def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> ConvergenceFit:
     """Fit m quantities by limit + slope h^p, for a given order p.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``p``: the order; ``weighted``: whether the levels have
@@ -306,28 +317,28 @@ def fit_given_order(y: Array, h: Array, p: float, weighted: bool) -> Fit:
     x = _box_cox_transform(h, np.array([p]))[0]
     finest, slope, residual = _linear_least_squares(y, x[:, None], level_weights(h, weighted))
     limit = finest - slope[0] / p if p > 0.0 else np.full_like(finest, np.nan)  # x is -1 / p at h = 0
-    return _fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
+    return _create_fit_record(f"order {p:.2f}", p, weighted, h, limit, residual, 2, 1)
 
 
-def fit_fixed_orders(y: Array, h: Array, *, both: bool) -> list[Fit]:
+def fit_fixed_orders(y: Array, h: Array, *, with_mixed_order: bool) -> list[ConvergenceFit]:
     """Fit m quantities by functions of first and of second order in the cell size h, with equal weights and weights 1 / h.
 
-    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``both``: whether, with four levels or more, fits by
-    the sum of h and h^2 are added.
+    ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``with_mixed_order``: whether, with four levels or
+    more, fits by the sum of h and h^2 are added.
     """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
-    if both and len(h) > 3:
+    if with_mixed_order and len(h) > 3:
         forms["first and second order"] = (1.0, 2.0)
     out = []
     for form, powers in forms.items():
         columns = np.stack([h**p for p in powers], axis=1)
         for weighted in (False, True):
             limit, _, residual = _linear_least_squares(y, columns, level_weights(h, weighted))
-            out.append(_fit_record(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
+            out.append(_create_fit_record(form, None, weighted, h, limit, residual, len(powers) + 1, 0))
     return out
 
 
-def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
+def range_of_compatible_orders(y: Array, h: Array, best: ConvergenceFit) -> tuple[float, float]:
     """Return the lowest and the highest order of convergence that are compatible with the data.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``best``: fit with the best order. The criterion is an
@@ -340,7 +351,7 @@ def allowed_orders(y: Array, h: Array, best: Fit) -> tuple[float, float]:
     freedom = (n - 2) * m - 1
     if freedom < 1 or best.order is None:
         return SEARCH
-    w = level_weights(h, best.weighted)
+    w = level_weights(h, best.weighted_by_cell_size)
     least = float(_residual_squares(y, h, w, np.array([best.order]))[0])
     limit = least * (1.0 + float(f_ratio.ppf(CONFIDENCE, 1, freedom)) / freedom)
     ends = []
@@ -395,18 +406,26 @@ def _linear_least_squares(y: Array, columns: Array, w: Array) -> tuple[Array, Ar
     return np.asarray(coefficients[0]), np.asarray(coefficients[1:]), np.asarray(y - basis @ coefficients)
 
 
-def _fit_record(
-    form: str, order: float | None, weighted: bool, h: Array, limit: Array, residual: Array, of_each: int, of_all: int
-) -> Fit:
+def _create_fit_record(
+    form: str,
+    order: float | None,
+    weighted: bool,
+    h: Array,
+    limit: Array,
+    residual: Array,
+    parameters_of_each: int,
+    shared_parameters: int,
+) -> ConvergenceFit:
     """Create the record of a fit, with standard deviations that take account of the number of fitted parameters.
 
     ``form``: name of the fitted function; ``order``: its order; None: fixed orders; ``weighted``: whether levels have
     weights 1 / h; ``h``: relative cell sizes (levels,); ``limit``: limits at h = 0, (m,); ``residual``: residuals,
-    (levels, m); ``of_each``: number of parameters for each quantity; ``of_all``: number of parameters that all share.
+    (levels, m); ``parameters_of_each``: number of parameters for each quantity; ``shared_parameters``: number of parameters
+    that all share.
     """
     n, m = residual.shape
     squares = n * (level_weights(h, weighted) @ (residual * residual))
-    freedom = (n - of_each) * m - of_all
+    freedom = (n - parameters_of_each) * m - shared_parameters
     deviation = float(np.sqrt(squares.sum() / freedom)) if freedom > 0 else 0.0
-    single = np.sqrt(squares / (n - of_each)) if n > of_each else np.zeros(m)
-    return Fit(form, order, weighted, limit, residual, deviation, np.asarray(single))
+    single = np.sqrt(squares / (n - parameters_of_each)) if n > parameters_of_each else np.zeros(m)
+    return ConvergenceFit(form, order, weighted, limit, residual, deviation, np.asarray(single))

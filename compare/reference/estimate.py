@@ -38,9 +38,9 @@ screw. At a given approach of the bodies, a missing compliance dC increases thei
 
 where delta_s and delta_n are Hertz's approaches, whose tangent is 2/3 delta / F. There is no such error at fixed faces and
 at balls far from the faces. If only one flank of the screw carries load, equilibrium fixes the sum of the loads, and the
-excess of these contacts is missing on the others of their flank, in proportion to their stiffness (`error_near_faces`). The
-changes between the levels of a scene contain this second effect; for a bearing, all of whose contacts are near both faces,
-they contain the first one as well.
+excess of these contacts is missing on the others of their flank, in proportion to their stiffness
+(`load_error_near_faces`). The changes between the levels of a scene contain this second effect; for a bearing, all of whose
+contacts are near both faces, they contain the first one as well.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION
-from rollbench.compare.reference.store import Run, load_run, shipped_store
+from rollbench.compare.reference.store import Run, load_stored_run, shipped_store
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import ball_layout
@@ -93,7 +93,7 @@ Levelled = Mapping[int, Array]
 
 
 @dataclass(frozen=True)
-class Experience:
+class UncertaintyFromOtherScenes:
     """Parts of the mesh uncertainty that hold for all scenes, determined from scenes that were solved on several levels.
 
     They are in % of the mean contact load.
@@ -111,7 +111,7 @@ class Experience:
 
 
 @dataclass(frozen=True)
-class GridParts:
+class MeshUncertainty:
     """Uncertainty of a scene's contact loads due to the mesh, and its parts [% of the mean load], RMS over the contacts.
 
     The parts are standard deviations of the difference between the finest level and the next one. With a single level only
@@ -119,36 +119,44 @@ class GridParts:
     """
 
     #: Uncertainty that covers 95 % of the contacts; zero without load.
-    bar: float
+    uncertainty: float
     #: Standard deviation due to the cells at the contact.
-    contact: float | None = None
+    contact_cell_deviation: float | None = None
     #: Standard deviation due to the cells of the bodies.
-    bodies: float | None = None
+    body_cell_deviation: float | None = None
     #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
-    sockets: float | None = None
+    socket_mesh_deviation: float | None = None
     #: Standard deviation of an error that all contacts share.
-    common: float | None = None
+    common_deviation: float | None = None
     #: Factor between the root of the sum of squares of the parts and the uncertainty.
-    cover: float = COVER
+    coverage_factor: float = COVER
 
     @property
-    def by_experience(self) -> bool:
+    def is_from_other_scenes(self) -> bool:
         """Whether the uncertainty is taken from other scenes, because this one was solved on a single mesh level."""
-        return self.contact is None
+        return self.contact_cell_deviation is None
 
-    def bars(self, loads: Levelled) -> Array:
+    def uncertainties_of_loads(self, loads: Levelled) -> Array:
         """Return the uncertainty of every contact load due to the mesh, (n, 4) [% of the mean load].
 
         ``loads``: contact loads (n, 4) [N] by mesh level. The uncertainty covers 95 % of the contacts, and is zero for
         contacts that carry load on no level.
         """
-        on = loaded_on_any_level(loads)
-        if self.contact is None or self.bodies is None or self.sockets is None or self.common is None:
-            return np.where(on, self.bar, 0.0)
+        on = is_loaded_on_any_level(loads)
+        if (
+            self.contact_cell_deviation is None
+            or self.body_cell_deviation is None
+            or self.socket_mesh_deviation is None
+            or self.common_deviation is None
+        ):
+            return np.where(on, self.uncertainty, 0.0)
         stiffness = loads[max(loads)] ** STIFFNESS
         share = stiffness**2 / (stiffness[on] ** 2).mean()
-        displaced, shared = self.bodies**2 + self.sockets**2, self.contact**2 + self.common**2
-        return np.where(on, self.cover * np.sqrt(shared + displaced * share), 0.0)
+        displaced, shared = (
+            self.body_cell_deviation**2 + self.socket_mesh_deviation**2,
+            self.contact_cell_deviation**2 + self.common_deviation**2,
+        )
+        return np.where(on, self.coverage_factor * np.sqrt(shared + displaced * share), 0.0)
 
 
 def has_both_flanks_loaded(load: Array) -> bool:
@@ -159,49 +167,49 @@ def has_both_flanks_loaded(load: Array) -> bool:
     return bool((load[:, :2] > 0.0).any(axis=0).all())
 
 
-def loaded_on_any_level(loads: Levelled) -> Array:
+def is_loaded_on_any_level(loads: Levelled) -> Array:
     """Return a mask (n, 4) of the contacts that carry load on at least one mesh level; ``loads``: (n, 4) [N] by level."""
     return np.asarray(np.max([loads[k] for k in loads], axis=0) > 0.0)
 
 
-def mesh_uncertainty(loads: Levelled, experience: Experience) -> GridParts:
+def mesh_uncertainty(loads: Levelled, other_scenes: UncertaintyFromOtherScenes) -> MeshUncertainty:
     """Compute the uncertainty of a scene's contact loads due to the mesh, and its parts.
 
     Parameters
     ----------
     loads
         Contact loads (n, 4) [N] for each mesh level.
-    experience
+    other_scenes
         Parts of the uncertainty that are determined from other scenes.
 
     Returns
     -------
-    GridParts
+    MeshUncertainty
         Uncertainty and parts.
     """
     levels = sorted(loads)
     finest, both = levels[-1], has_both_flanks_loaded(loads[levels[-1]])
     if not (loads[finest] > 0.0).any():
-        return GridParts(0.0)
+        return MeshUncertainty(0.0)
     if len(levels) == 1:
-        return GridParts(experience.single[both])
-    steps, fixed = list(pairwise(levels)), 2.0 * experience.sockets**2
+        return MeshUncertainty(other_scenes.single[both])
+    steps, fixed = list(pairwise(levels)), 2.0 * other_scenes.sockets**2
     shown = np.array([float((_load_change(loads, a, b, finest) ** 2).mean()) for a, b in steps])
     amounts = _fit_variances(np.array([_variance_factors(a, b) for a, b in steps]), np.maximum(shown - fixed, 0.0), fixed)
-    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * experience.common**2 if both else 0.0)
+    left = (*(amounts * _variance_factors(finest, finest + 1)), fixed, 2.0 * other_scenes.common**2 if both else 0.0)
     cover = COVER_OF_ONE_CHANGE if levels == [finest - 1, finest] else COVER
     contact, bodies, sockets, common = (float(np.sqrt(v)) for v in left)
-    return GridParts(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
+    return MeshUncertainty(cover * float(np.sqrt(sum(left))), contact, bodies, sockets, common, cover)
 
 
-def _load_change(loads: Levelled, level: int, other: int, finest: int) -> Array:
+def _load_change(loads: Levelled, level: int, other_level: int, finest: int) -> Array:
     """Return by how much contact loads change from one mesh level to another [% of the mean load on level ``finest``].
 
-    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other``: first and second level. The result is a vector
-    with the changes of all contacts that carry load on at least one level.
+    ``loads``: contact loads (n, 4) [N] by mesh level; ``level``, ``other_level``: first and second level. The result is a
+    vector with the changes of all contacts that carry load on at least one level.
     """
-    on = loaded_on_any_level(loads)
-    return np.asarray(error_percent(loads[other][on], loads[level][on], mean_load(loads[finest])))
+    on = is_loaded_on_any_level(loads)
+    return np.asarray(error_percent(loads[other_level][on], loads[level][on], mean_load(loads[finest])))
 
 
 def _cell_sizes(level: int) -> Array:
@@ -224,27 +232,27 @@ def _variance_factors(level: int, other: int) -> Array:
     return np.asarray(_cell_sizes(level) ** (2 * ORDER) + _cell_sizes(other) ** (2 * ORDER))
 
 
-def _fit_variances(columns: Array, shown: Array, fixed: float) -> Array:
+def _fit_variances(columns: Array, observed: Array, known_variance: float) -> Array:
     """Fit the error variances due to contact cells and to body cells (2,) to the observed changes between mesh levels.
 
-    ``columns``: `_variance_factors` of each of k pairs of levels, (k, 2); ``shown``: observed variances, (k,) [%^2], from
-    which ``fixed``, the known variance of other parts, is already subtracted. The fit minimises relative squared deviations
-    with results of at least zero. With two levels the whole variance is attributed to the bodies, whose part falls more
-    slowly.
+    ``columns``: `_variance_factors` of each of k pairs of levels, (k, 2); ``observed``: observed variances, (k,) [%^2],
+    from which ``known_variance``, the known variance of other parts, is already subtracted. The fit minimises relative
+    squared deviations with results of at least zero. With two levels the whole variance is attributed to the bodies, whose
+    part falls more slowly.
     """
     from scipy.optimize import nnls
 
-    columns = columns * [0.0, 1.0] if len(shown) == 1 else columns
-    variances, scale = np.zeros(2), np.maximum(shown + fixed, TINY)
+    columns = columns * [0.0, 1.0] if len(observed) == 1 else columns
+    variances, scale = np.zeros(2), np.maximum(observed + known_variance, TINY)
     for _ in range(ROUNDS):
-        variances = nnls(columns / scale[:, None], shown / scale)[0]
-        scale = np.maximum(columns @ variances + fixed, TINY)
+        variances = nnls(columns / scale[:, None], observed / scale)[0]
+        scale = np.maximum(columns @ variances + known_variance, TINY)
     return np.asarray(variances)
 
 
-def derive_experience(
-    scenes: Mapping[str, Levelled], sockets: float, known: Mapping[str, Array] | None = None
-) -> Experience:
+def derive_uncertainty_of_other_scenes(
+    scenes: Mapping[str, Levelled], sockets: float, known_errors: Mapping[str, Array] | None = None
+) -> UncertaintyFromOtherScenes:
     """Determine the parts of the mesh uncertainty that hold for all scenes, from scenes solved on several mesh levels.
 
     Parameters
@@ -253,9 +261,9 @@ def derive_experience(
         Contact loads on each mesh level, for each scene.
     sockets
         Standard deviation due to the mesh of the sockets [% of the mean load], from a separate run.
-    known
-        For each scene, the errors on the coarsest level near free faces of the nut (`error_near_faces`), (n, 4) [% of the
-        mean load]. They have a separate uncertainty and are subtracted. None: nothing is subtracted.
+    known_errors
+        For each scene, the errors on the coarsest level near free faces of the nut (`load_error_near_faces`), (n, 4) [% of
+        the mean load]. They have a separate uncertainty and are subtracted. None: nothing is subtracted.
 
     Returns
     -------
@@ -274,7 +282,7 @@ def derive_experience(
         if both:
             shifts += [float(_load_change(loads, a, b, finest).mean()) for a, b in pairwise(levels) if a >= PRODUCTION]
         if levels[0] == min(LEVELS) and finest >= PRODUCTION:
-            held = known[name][loaded_on_any_level(loads)] if known and name in known else 0.0
+            held = known_errors[name][is_loaded_on_any_level(loads)] if known_errors and name in known_errors else 0.0
             errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
         raise ValueError(
@@ -282,12 +290,15 @@ def derive_experience(
             "were solved on fine mesh levels"
         )
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
-    return Experience(
-        sockets, common, (_covering_bound(errors[0], LEAST[0]), _covering_bound(errors[1], LEAST[1])), tuple(scenes)
+    return UncertaintyFromOtherScenes(
+        sockets,
+        common,
+        (_smallest_covering_bound(errors[0], LEAST[0]), _smallest_covering_bound(errors[1], LEAST[1])),
+        tuple(scenes),
     )
 
 
-def _covering_bound(errors: Sequence[Array], least: float) -> float:
+def _smallest_covering_bound(errors: Sequence[Array], least: float) -> float:
     """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene.
 
     ``errors``: absolute errors of the contacts of each scene.
@@ -295,20 +306,20 @@ def _covering_bound(errors: Sequence[Array], least: float) -> float:
     return float(max(np.quantile(np.concatenate(errors), SHARE), *(np.quantile(of_scene, least) for of_scene in errors)))
 
 
-def save_experience(store: Path, known: Experience) -> None:
+def save_uncertainty_of_other_scenes(store: Path, known: UncertaintyFromOtherScenes) -> None:
     """Write the parts of the mesh uncertainty that hold for all scenes, ``known``, to a file in the folder ``store``."""
     replace_file(store / FILE, json.dumps(asdict(known), indent=1) + "\n")
 
 
 @cache
-def read_experience(store: Path) -> Experience:
+def read_uncertainty_of_other_scenes(store: Path) -> UncertaintyFromOtherScenes:
     """Read the parts of the mesh uncertainty that were determined from other scenes.
 
     OSError, ValueError, KeyError or TypeError if the file in the folder ``store`` cannot be used.
     """
     data = json.loads((store / FILE).read_text(encoding="utf-8"))
     one, both = (float(x) for x in data["single"])
-    return Experience(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
+    return UncertaintyFromOtherScenes(float(data["sockets"]), float(data["common"]), (one, both), tuple(data["scenes"]))
 
 
 LIP_FILE = "near_face.json"
@@ -332,19 +343,21 @@ class LipCompliance:
     """Extra compliance of a contact near a free face of the nut, by the thin lip between both, against their distance."""
 
     #: Distances from the face [ball radii], increasing.
-    radii: Array
+    relative_distances: Array
     #: Compliance of the lip times Young's modulus and ball radius, at these distances.
-    lip: Array
+    compliance: Array
     #: For each mesh level, the part of this compliance that the mesh neglects.
-    missing: dict[int, Array]
+    missing_compliance_by_level: dict[int, Array]
 
-    def at(self, radii: Array, level: int) -> tuple[Array, Array]:
+    def interpolate(self, radii: Array, level: int) -> tuple[Array, Array]:
         """Return the lip's compliance at distances from the face, and the part of it that a mesh level neglects.
 
         ``radii``: distances over the ball radius. Both compliances are multiplied by Young's modulus E and ball radius r.
         """
-        missing = self.missing[min(max(level, 1), max(self.missing))]
-        return np.interp(radii, self.radii, self.lip), np.interp(radii, self.radii, missing)
+        missing = self.missing_compliance_by_level[min(max(level, 1), max(self.missing_compliance_by_level))]
+        return np.interp(radii, self.relative_distances, self.compliance), np.interp(
+            radii, self.relative_distances, missing
+        )
 
 
 @cache
@@ -373,7 +386,7 @@ def read_lip_compliance(store: Path) -> LipCompliance:
     )
 
 
-def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
+def excess_load_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return upper bounds of the excess of contact loads near free faces of the nut on a mesh level, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level.
@@ -390,7 +403,7 @@ def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
     for side, face, away in ((TOWARDS[0], "left face", half + z), (TOWARDS[1], "right face", half - z)):
         if held in (face, "both faces"):
             continue
-        lip, missing = (unit * x for x in known.at(away / r, level))
+        lip, missing = (unit * x for x in known.interpolate(away / r, level))
         for flank in (side, 3 - side):
             force = load[:, flank]
             springs = (soft[side] + soft[3 - side]) * np.cbrt(force) ** 2  # force times their tangent
@@ -399,13 +412,13 @@ def excess_near_faces(scene: Scene, load: Array, level: int) -> Array:
     return out
 
 
-def error_near_faces(scene: Scene, load: Array, level: int) -> Array:
+def load_error_near_faces(scene: Scene, load: Array, level: int) -> Array:
     """Return the largest errors of the contact loads on a mesh level due to free faces of the nut, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level. If equilibrium fixes the sum of the loads, contacts far from the faces
     have errors, too, because the excess near the faces is missing there.
     """
-    excess = excess_near_faces(scene, load, level)
+    excess = excess_load_near_faces(scene, load, level)
     if has_both_flanks_loaded(load) or not excess.any():
         return excess
     stiffness = load**STIFFNESS
@@ -429,7 +442,7 @@ class Reference:
     #: Uncertainty of the loads due to mesh and incomplete convergence, (n, 4) [N]; zero for contacts without load.
     uncertainty: Array
     #: Uncertainty of the loads due to the mesh, with its parts.
-    parts: GridParts
+    parts: MeshUncertainty
     #: Number of contacts that are loaded in the screw without geometric errors; 0: not known.
     contacts: int = 0
     #: Name of the reference; for a user's file, the name of the file.
@@ -482,7 +495,7 @@ def reference_of_scene(scene: Scene, stores: Sequence[Path] | None = None) -> Re
     Reference or None
         Contact loads and uncertainty from at most `FITTED` runs; None without a stored run.
     """
-    runs = tuple(run for level in LEVELS if (run := load_run(scene, level, stores=stores)) is not None)
+    runs = tuple(run for level in LEVELS if (run := load_stored_run(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.answers)[-FITTED:]
     return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
@@ -507,13 +520,15 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
         Loads of the finest run with their uncertainty.
     """
     loads = {run.level: run.load for run in runs}
-    grid, best = mesh_uncertainty(loads, read_experience(shipped_store())), runs[-1]
-    bars = 0.01 * mean_load(best.load) * grid.bars(loads) if grid.bar else np.zeros_like(best.load)
-    lips = excess_near_faces(scene, best.load, best.level)
-    beside = error_near_faces(scene, best.load, best.level) if grid.by_experience else lips
+    grid, best = mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())), runs[-1]
+    bars = (
+        0.01 * mean_load(best.load) * grid.uncertainties_of_loads(loads) if grid.uncertainty else np.zeros_like(best.load)
+    )
+    lips = excess_load_near_faces(scene, best.load, best.level)
+    beside = load_error_near_faces(scene, best.load, best.level) if grid.is_from_other_scenes else lips
     return Reference(name, runs, best.load, bars + beside + best.moving, grid, contacts, beside_face=lips)
 
 
 def largest_uncertainty_percent(reference: Reference) -> float:
     """Return the largest uncertainty of a contact load of the reference [% of the mean load]; zero without load."""
-    return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.bar else 0.0
+    return float(error_percent(reference.uncertainty.max(), 0.0, reference.mean)) if reference.parts.uncertainty else 0.0

@@ -19,12 +19,12 @@ from typing import Any
 from rollbench.compare.errors import InputError
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute_with_bodies, stores_bodies
+from rollbench.compare.reference.computing import are_bodies_stored, compute_runs_and_bodies
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL, VARIANTS
-from rollbench.compare.reference.store import Run, load_run, path_of_bodies, path_of_run, save_run
-from rollbench.compare.reference.tasks import Solvable, Task, group_by_geometry, setups_to_mesh
+from rollbench.compare.reference.store import Run, load_stored_run, path_of_bodies, path_of_run, save_run
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable, group_by_geometry, mesh_specifications
 from rollbench.compare.running import available_GB, format_duration, output_closed, usable_cores
-from rollbench.meshes.cache import StageDone
+from rollbench.meshes.cache import StageMessage
 from rollbench.meshes.condensed import CondensedBodies
 from rollbench.meshes.processes import reset_peak_memory
 
@@ -53,25 +53,25 @@ STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact
 
 
 @dataclass(frozen=True)
-class Expected:
+class ExpectedCost:
     """Expected computing time and memory of a task of the 3D reference."""
 
     #: Expected time of each stage [s], by its name.
-    stages: dict[str, float]
+    seconds_by_stage: dict[str, float]
     #: Peak memory [GB].
     memory_GB: float
 
     @property
     def seconds(self) -> float:
         """Expected time of all stages [s]."""
-        return sum(self.stages.values())
+        return sum(self.seconds_by_stage.values())
 
 
-def expected_cost(task: Task) -> Expected:
+def expected_cost(task: ReferenceTask) -> ExpectedCost:
     """Estimate computing time and memory of a task of the 3D reference from its mesh level and number of contacts."""
-    by_bodies = [len(up.sides) * up.bodies.ball_count for up in setups_to_mesh(task.scenes, task.level)]
+    by_bodies = [len(up.meshed_flanks) * up.parts.ball_count for up in mesh_specifications(task.scenes, task.level)]
     contacts = sum(by_bodies)
-    times = len(task.scenes) * (6 if task.ablate else 1)
+    times = len(task.scenes) * (6 if task.leave_out_each_part else 1)
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
     stages |= {"patches": len(by_bodies) * PATCHES[task.level], "ball": float(len(by_bodies))}
     stages["contact loads"] *= times
@@ -79,10 +79,10 @@ def expected_cost(task: Task) -> Expected:
     if task.processes > 1:
         stages |= {name: stages[name] / FASTER for name in SHARED}
         memory += MORE * memory if contacts <= TOGETHER else PATCHES_ALONE * BASE_GB[task.level]
-    return Expected(stages, memory)
+    return ExpectedCost(stages, memory)
 
 
-def check_memory(tasks: Sequence[Task], workers: int) -> float:
+def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
     """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that it is free.
 
     Parameters
@@ -117,13 +117,13 @@ def check_memory(tasks: Sequence[Task], workers: int) -> float:
     return peak
 
 
-class Progress:
+class TaskProgress:
     """Progress of a running task of the 3D reference: present stage, finished share, and expected time left."""
 
-    def __init__(self, task: Task, after: float = 0.0) -> None:
+    def __init__(self, task: ReferenceTask, after: float = 0.0) -> None:
         """Start the progress of a task; ``after``: expected time of all tasks that follow it [s]."""
         self.label, self.after = task.label, after
-        stages, scenes = expected_cost(task).stages, len(task.scenes)
+        stages, scenes = expected_cost(task).seconds_by_stage, len(task.scenes)
         loads = stages.pop("contact loads")
         self.stages = [*stages.items(), *[("contact loads", loads / scenes)] * scenes]
         self.done = self.computed = 0.0
@@ -133,14 +133,14 @@ class Progress:
         """Text for the terminal: name of the task and, until it is finished, its present stage."""
         return f"{self.label}: {self.stages[0][0]}" if self.stages else self.label
 
-    def line(self, text: str, spent: float) -> str:
+    def progress_line(self, text: str, spent: float) -> str:
         """Return a message as a line of progress, with the expected time left if the message reports the end of a stage.
 
-        ``text``: the message, a `StageDone` at the end of a stage; ``spent``: time since the task began [s]. The speed of
-        the machine is estimated from computed stages only, not from those that were read from the cache.
+        ``text``: the message, a `StageMessage` at the end of a stage; ``spent``: time since the task began [s]. The speed
+        of the machine is estimated from computed stages only, not from those that were read from the cache.
         """
-        stage = next((s for s in self.stages if isinstance(text, StageDone) and s[0] == text.stage), None)
-        if stage is None or not isinstance(text, StageDone):
+        stage = next((s for s in self.stages if isinstance(text, StageMessage) and s[0] == text.stage), None)
+        if stage is None or not isinstance(text, StageMessage):
             return f"{self.label}: {text}"
         self.stages.remove(stage)
         self.done += stage[1]
@@ -161,27 +161,29 @@ HEARTBEAT = 20.0
 
 
 @dataclass(frozen=True)
-class Engine:
+class ComputingSettings:
     """Settings for computing runs of the 3D reference: this machine or a cluster, number of jobs at once, cache folder."""
 
     #: ``joblib``: processes on this machine; ``dask``: a cluster.
     backend: str = "joblib"
     #: Address of the scheduler of a Dask cluster; None: a cluster is started on this machine.
-    scheduler: str | None = None
+    scheduler_address: str | None = None
     #: Number of jobs at the same time; None: one, or one on each worker of a scheduler.
-    workers: int | None = None
+    parallel_jobs: int | None = None
     #: Folder in which meshes and condensed parts are cached; None: no cache.
-    cache: Path | None = None
-    #: Time to wait for a worker of the cluster [s]; None: the default of `parallel.as_done`.
-    wait: float | None = None
+    cache_folder: Path | None = None
+    #: Time to wait for a worker of the cluster [s]; None: the default of `parallel.run_jobs`.
+    worker_wait_seconds: float | None = None
 
     @property
-    def processes(self) -> int:
+    def processes_per_job(self) -> int:
         """Number of processes for one job: cores of this machine over the jobs at the same time; one on a cluster."""
-        return max(usable_cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
+        return max(usable_cores() // (self.parallel_jobs or 1), 1) if self.backend == "joblib" else 1
 
 
-def run_jobs_where_faster(jobs: Sequence[parallel.Job], engine: Engine, what: str, step: Step) -> Iterator[tuple[int, Any]]:
+def run_jobs_in_fastest_way(
+    jobs: Sequence[parallel.Job], engine: ComputingSettings, noun: str, step: Step
+) -> Iterator[tuple[int, Any]]:
     """Run independent jobs, in other processes only if that saves time, and yield number and result of each.
 
     With several workers, the first two jobs run in this process. The time of the second job, for which all modules are
@@ -193,7 +195,7 @@ def run_jobs_where_faster(jobs: Sequence[parallel.Job], engine: Engine, what: st
         Independent jobs.
     engine
         Settings that determine where the jobs run.
-    what
+    noun
         Noun in the plural for the computed items, such as "screws", for messages.
     step
         Function that is called with lines of progress.
@@ -203,16 +205,18 @@ def run_jobs_where_faster(jobs: Sequence[parallel.Job], engine: Engine, what: st
     tuple
         Number of the job, from 0, and its result.
     """
-    workers, here = engine.workers, 0
+    workers, here = engine.parallel_jobs, 0
     if (workers or 1) > 1 and engine.backend == "joblib":
         start, here = perf_counter(), min(2, len(jobs))
-        for number, result in parallel.as_done(jobs[:here]):
+        for number, result in parallel.run_jobs(jobs[:here]):
             left, start = (perf_counter() - start) * (len(jobs) - here), perf_counter()
             yield number, result
         if here and left < WORTH_WORKERS:
-            step(f"one process: the remaining {what} take about {left:.1f} s; starting more processes takes longer")
+            step(f"one process: the remaining {noun} take about {left:.1f} s; starting more processes takes longer")
             workers = 1
-    for number, result in parallel.as_done(jobs[here:], engine.backend, engine.scheduler, workers, engine.wait):
+    for number, result in parallel.run_jobs(
+        jobs[here:], engine.backend, engine.scheduler_address, workers, engine.worker_wait_seconds
+    ):
         yield here + number, result
 
 
@@ -221,9 +225,9 @@ def plan_tasks(
     levels: Sequence[int],
     variants: Sequence[str] = (),
     *,
-    source: bool = False,
-    ablate: bool = False,
-) -> list[Task]:
+    with_source_mesh: bool = False,
+    leave_out_each_part: bool = False,
+) -> list[ReferenceTask]:
     """List the computations of the 3D reference (tasks) for a mesh study, in the order in which they are computed.
 
     The coarsest level of every geometry comes first; the other tasks follow by decreasing computing time.
@@ -236,9 +240,9 @@ def plan_tasks(
         Mesh levels.
     variants
         Names of variants of the 3D reference (`VARIANTS`), each computed on the mesh level that belongs to it.
-    source
+    with_source_mesh
         Whether a task on the mesh of Lin's thesis is added.
-    ablate
+    leave_out_each_part
         Whether the scenes are also solved on the coarsest level with each part of the 3D model (such as the elastic nut)
         left out in turn.
 
@@ -249,17 +253,20 @@ def plan_tasks(
     """
     tasks = []
     for cases in map(tuple, group_by_geometry(scenes)):
-        tasks += [Task(cases, level, ablate=ablate and level == min(LEVELS)) for level in levels]
-        if source:
-            tasks.append(Task(cases, SOURCE_LEVEL))
-        tasks += [Task(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
+        tasks += [
+            ReferenceTask(cases, level, leave_out_each_part=leave_out_each_part and level == min(LEVELS))
+            for level in levels
+        ]
+        if with_source_mesh:
+            tasks.append(ReferenceTask(cases, SOURCE_LEVEL))
+        tasks += [ReferenceTask(cases[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
-            tasks.append(Task(cases[:1], PRODUCTION, "base"))  # baseline for variants that refine one mesh setting
+            tasks.append(ReferenceTask(cases[:1], PRODUCTION, "base"))  # baseline for variants that refine one mesh setting
     coarsest = min(levels, default=None)
     return sorted(tasks, key=lambda task: (task.level != coarsest or bool(task.variant), -expected_cost(task).seconds))
 
 
-def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
+def tasks_without_stored_runs(tasks: Sequence[ReferenceTask], stores: Sequence[Path]) -> list[ReferenceTask]:
     """Return those tasks of the 3D reference that are not stored yet, reduced to the scenes without a stored result.
 
     ``tasks``: the required tasks; ``stores``: folders that are searched. A task whose condensed screw and nut are required
@@ -267,22 +274,24 @@ def missing_runs(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """
     left = []
     for task in tasks:
-        runs = [load_run(scene, task.level, task.variant, stores) for scene in task.scenes]
+        runs = [load_stored_run(scene, task.level, task.variant, stores) for scene in task.scenes]
         scenes = tuple(
-            scene for scene, run in zip(task.scenes, runs, strict=True) if run is None or (task.ablate and not run.without)
+            scene
+            for scene, run in zip(task.scenes, runs, strict=True)
+            if run is None or (task.leave_out_each_part and not run.without)
         )
         if scenes:
             left.append(replace(task, scenes=scenes))
-        elif stores_bodies(task) and not all(
+        elif are_bodies_stored(task) and not all(
             run and any(path_of_bodies(store, scene, run).exists() for store in stores)
-            for scene, run in zip(task.single, runs, strict=True)
+            for scene, run in zip(task.single_row_scenes, runs, strict=True)
         ):
             left.append(task)
     return left
 
 
 def compute_and_store(
-    task: Task, store: Path, step: Step = lambda _: None, progress: Progress | None = None
+    task: ReferenceTask, store: Path, step: Step = lambda _: None, progress: TaskProgress | None = None
 ) -> tuple[list[Run], CondensedBodies | None]:
     """Compute one task of the 3D reference and store its results immediately.
 
@@ -307,13 +316,13 @@ def compute_and_store(
         Condensed screw and nut, if the task stores them.
     """
     reset_peak_memory()
-    start, progress = perf_counter(), progress or Progress(task)
-    runs, bodies = compute_with_bodies(task, lambda text: step(progress.line(text, perf_counter() - start)))
+    start, progress = perf_counter(), progress or TaskProgress(task)
+    runs, bodies = compute_runs_and_bodies(task, lambda text: step(progress.progress_line(text, perf_counter() - start)))
     store_runs_and_bodies(store, task, runs, bodies)
     return runs, bodies
 
 
-def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
+def store_runs_and_bodies(store: Path, task: ReferenceTask, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
     """Write the results of one task of the 3D reference, and its condensed screw and nut, to the folder ``store``.
 
     Results (runs) whose contact loads cannot be used are not written.
@@ -326,7 +335,7 @@ def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: 
             save_run(store, scene, run)
     if bodies is None:
         return
-    path = path_of_bodies(store, task.single[0], runs[0])
+    path = path_of_bodies(store, task.single_row_scenes[0], runs[0])
     try:
         bodies.save(path)
     except OSError as error:
@@ -334,15 +343,15 @@ def store_runs_and_bodies(store: Path, task: Task, runs: Sequence[Run], bodies: 
         raise InputError(str(path), "file", reason, "a file in a writable folder", "check the path") from None
 
 
-def ensure(
-    tasks: Sequence[Task],
+def ensure_runs_are_stored(
+    tasks: Sequence[ReferenceTask],
     store: Path,
-    engine: Engine,
+    engine: ComputingSettings,
     step: Step,
-    stores: Sequence[Path] = (),
+    further_stores: Sequence[Path] = (),
     *,
-    fresh: bool = False,
-    stored: Callable[[Task], None] = lambda _: None,
+    compute_again: bool = False,
+    after_each_stored_task: Callable[[ReferenceTask], None] = lambda _: None,
 ) -> list[Run]:
     """Compute and store all required results (runs) of the 3D reference that are not stored yet.
 
@@ -356,11 +365,11 @@ def ensure(
         Settings that determine where runs are computed.
     step
         Function that is called with lines of progress, first with the expected time.
-    stores
+    further_stores
         Further folders that are searched for runs.
-    fresh
+    compute_again
         Whether stored runs are computed again.
-    stored
+    after_each_stored_task
         Function that is called after every stored task except the last.
 
     Returns
@@ -373,17 +382,17 @@ def ensure(
     InputError
         If this machine has too little free memory.
     """
-    wanted = tasks if fresh else missing_runs(tasks, (store, *stores))
+    wanted = tasks if compute_again else tasks_without_stored_runs(tasks, (store, *further_stores))
     local = engine.backend == "joblib"
-    left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]
+    left = [replace(task, cache_folder=engine.cache_folder, processes=engine.processes_per_job) for task in wanted]
     failed: list[Run] = []
     if not left:
         return failed
     start, done = perf_counter(), 0.0
-    alone = local and (engine.workers or 1) == 1
-    step(_announcement_text(left, len(tasks) - len(left), store, engine.workers or 1, here=local))
+    alone = local and (engine.parallel_jobs or 1) == 1
+    step(_text_announcing_tasks(left, len(tasks) - len(left), store, engine.parallel_jobs or 1, here=local))
     seconds = [expected_cost(task).seconds for task in left]
-    progress = [Progress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
+    progress = [TaskProgress(task, sum(seconds[k + 1 :])) for k, task in enumerate(left)]
     jobs = [
         (compute_and_store, (task, store, step, p) if alone else (task, store))
         for task, p in zip(left, progress, strict=True)
@@ -411,7 +420,7 @@ def ensure(
         ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
         step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
         if finished < len(left):
-            stored(task)
+            after_each_stored_task(task)
 
     over = threading.Event()
 
@@ -425,12 +434,14 @@ def ensure(
 
     threading.Thread(target=report_regularly, daemon=True).start()
     try:
-        for number, outcome in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
+        for number, outcome in parallel.run_jobs(
+            jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
+        ):
             record_finished_task(number, outcome)
     except KeyboardInterrupt:
         if output_closed():
             raise BrokenPipeError from None
-        stages = "" if engine.cache is None else f", and finished stages of the next one in {engine.cache}"
+        stages = "" if engine.cache_folder is None else f", and finished stages of the next one in {engine.cache_folder}"
         kept = f"{finished} of {len(left)} set-ups are stored in {store}{stages}"
         step(f"WARNING: interrupted: {kept}; the same command continues from there")
         raise
@@ -439,7 +450,7 @@ def ensure(
     return failed
 
 
-def _announcement_text(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
+def _text_announcing_tasks(left: Sequence[ReferenceTask], stored: int, store: Path, workers: int, *, here: bool) -> str:
     """Return the message that announces how many tasks are to be computed, with their expected time and memory.
 
     ``left``: the tasks to compute; ``stored``: number of tasks whose runs are stored already; ``store``: folder of new

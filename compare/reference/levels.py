@@ -55,13 +55,16 @@ HALF_SPACE, FINITE = "half-space", "finite"
 _RATIOS = ("b_over_h", "growth")
 
 
-def scaled_settings(level: int, ball: float, refined: Sequence[str] = ()) -> dict[str, Any]:
+def mesh_settings_of_level(level: int, ball_radius: float, refined_settings: Sequence[str] = ()) -> dict[str, Any]:
     """Return the mesh settings of a mesh level by name, with all lengths scaled in proportion to the ball radius.
 
-    ``ball``: ball radius [m]; ``refined``: names of settings whose values are replaced by the finer ones in `BEYOND`.
+    ``ball_radius``: ball radius [m]; ``refined_settings``: names of settings whose values are replaced by the finer ones in
+    `BEYOND`.
     """
-    ratio = ball / BALL
-    settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {name: BEYOND[name] for name in refined}
+    ratio = ball_radius / BALL
+    settings = dict(SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]) | {
+        name: BEYOND[name] for name in refined_settings
+    }
 
     def for_ball(name: str, value: Any) -> Any:
         if isinstance(value, float) and name not in _RATIOS:
@@ -82,7 +85,7 @@ COUPLING = 0.02
 
 
 @dataclass(frozen=True)
-class Variant:
+class ReferenceVariant:
     """Variant of the 3D reference in which one modelling or numerical choice is changed, to measure its effect."""
 
     #: Description of the change.
@@ -103,7 +106,7 @@ class Variant:
 
 
 @dataclass(frozen=True)
-class NotVaried:
+class UnvariedChoice:
     """Modelling choice of the 3D reference whose effect is not computed by any variant."""
 
     #: Name of the choice.
@@ -171,7 +174,7 @@ def with_shortened_groove(scene: Scene) -> Scene:
     return with_plain_shaft(scale_dimension("shaft", lambda d: d.shaft, 0.5)(scene))
 
 
-def with_twisted_supports(scene: Scene) -> Scene:
+def with_supports_turned_by_coupling(scene: Scene) -> Scene:
     """Return a copy of the scene with supports rotated by the twist due to the shaft's axial-torsional coupling.
 
     The 3D reference neglects this coupling outside the 3D part of the shaft. Between a support and the nut at the distance
@@ -202,12 +205,12 @@ GROOVE_END, TWIST = "where the screw's groove ends", "axial-torsional coupling o
 SHARED, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
 
-def mesh_refinement_variant(label: str, choice: str, *refined: str) -> Variant:
+def mesh_refinement_variant(label: str, choice: str, *refined: str) -> ReferenceVariant:
     """Create a variant of the 3D reference with finer values of the mesh settings named ``refined`` on level `PRODUCTION`.
 
     ``label``: description of the variant; ``choice``: numerical choice that it varies.
     """
-    return Variant(label, choice, "numerical", unchanged_scene, refined)
+    return ReferenceVariant(label, choice, "numerical", unchanged_scene, refined)
 
 
 _shaft, _land = (
@@ -219,21 +222,25 @@ _width = "nut held at the {} half of its face's width"
 _filled = "nut's groove filled from two ball diameters beyond its outermost balls on"
 _alone = "the scene alone: sockets on flanks that touch, contact grid by its own load"
 
-VARIANTS: dict[str, Variant] = {
-    "base": Variant(_alone, SHARED, "numerical", unchanged_scene),
-    "junction": Variant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
-    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
-    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)),
-    "land": Variant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
-    "land-wide": Variant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
-    "hole": Variant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
-    "held-outer": Variant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
-    "held-inner": Variant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
-    "nut-filled": Variant(_filled, FILLED, "modelling", change_solid_model(nut_groove="loaded")),
-    "shaft-plain": Variant(
+VARIANTS: dict[str, ReferenceVariant] = {
+    "base": ReferenceVariant(_alone, SHARED, "numerical", unchanged_scene),
+    "junction": ReferenceVariant("3D shaft 20 mm longer on each side", LENGTH, "modelling", _shaft(1.0, 20e-3)),
+    "junction-short": ReferenceVariant("3D shaft of half the length", LENGTH, "modelling", _shaft(0.5)),
+    "junction-phase": ReferenceVariant(
+        "3D shaft half a lead longer on each side", PHASE, "modelling", lengthen_3d_shaft(0.5)
+    ),
+    "land": ReferenceVariant("nut lands 0.6 mm narrower in diameter", LANDS, "modelling", _land(1.0, -0.6e-3)),
+    "land-wide": ReferenceVariant("nut lands 0.6 mm wider in diameter", LANDS, "modelling", _land(1.0, 0.6e-3)),
+    "hole": ReferenceVariant("hole along the screw of half the diameter", HOLE, "modelling", _hole),
+    "held-outer": ReferenceVariant(_width.format("outer"), WIDTH, "modelling", fix_half_of_face("outer")),
+    "held-inner": ReferenceVariant(_width.format("inner"), WIDTH, "modelling", fix_half_of_face("inner")),
+    "nut-filled": ReferenceVariant(_filled, FILLED, "modelling", change_solid_model(nut_groove="loaded")),
+    "shaft-plain": ReferenceVariant(
         "shaft beyond the 3D stretch plain, of the lands' diameter", GROOVE_END, "scene", with_plain_shaft
     ),
-    "runout": Variant("groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", with_shortened_groove),
+    "runout": ReferenceVariant(
+        "groove of the screw ends at half the 3D stretch", GROOVE_END, "scene", with_shortened_groove
+    ),
     "finer-contact": mesh_refinement_variant(
         "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "b_over_h"
     ),
@@ -246,18 +253,22 @@ VARIANTS: dict[str, Variant] = {
     "modes": mesh_refinement_variant("28 modes per patch for 14", MODES, "modes"),
     "finer-ball": mesh_refinement_variant("cells and modes of the ball", "ball", "ball_fine", "ball_coarse", "ball_modes"),
     "finer-cell": mesh_refinement_variant("cells of the shaft's cut ends", "cut ends of the shaft", "cell"),
-    "nut-right": Variant("nut held at its right face", FIXING, "scene", change_solid_model(nut_held="right face")),
-    "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", change_solid_model(nut_held="outer surface")),
+    "nut-right": ReferenceVariant("nut held at its right face", FIXING, "scene", change_solid_model(nut_held="right face")),
+    "nut-outer": ReferenceVariant(
+        "nut held by its outer surface", FIXING, "scene", change_solid_model(nut_held="outer surface")
+    ),
 }
 
 #: Choices that the modelling uncertainty does not include.
 NOT_VARIED = (
-    NotVaried(
+    UnvariedChoice(
         "deflectors and return tubes of the nut",
         "between loaded turns the groove runs on; what fills it there or pierces the wall is not meshed, nor are wipers "
         "and their counterbores",
     ),
-    NotVaried("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
-    NotVaried("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),
-    NotVaried("friction, large strains, contact of the second order in ball over groove radius", "left out of the model"),
+    UnvariedChoice("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
+    UnvariedChoice("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),
+    UnvariedChoice(
+        "friction, large strains, contact of the second order in ball over groove radius", "left out of the model"
+    ),
 )

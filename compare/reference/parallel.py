@@ -47,12 +47,12 @@ INSTALL = "install rollbench where the workers run"
 _ALONE = threading.Lock()
 
 
-def as_done(
+def run_jobs(
     jobs: Sequence[Job],
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
-    wait: float | None = None,
+    worker_wait_seconds: float | None = None,
 ) -> Generator[tuple[int, Any], None, None]:
     """Run independent jobs and yield each result as soon as it is available.
 
@@ -68,7 +68,7 @@ def as_done(
         Address of the scheduler of a cluster; None: a cluster is started on this machine.
     workers
         Number of jobs that run at the same time; None: one on this machine, or one on each worker of a scheduler.
-    wait
+    worker_wait_seconds
         Time to wait for a worker of the scheduler [s]; None: `LONELY`.
 
     Yields
@@ -91,14 +91,16 @@ def as_done(
         raise ArgumentError("workers", str(workers), "1 or more", "choose as many as the memory allows")
     if scheduler is not None and backend != "dask":
         raise ArgumentError("scheduler", scheduler, "only with `backend=dask`", "add `backend=dask`")
-    if wait is not None and scheduler is None:
-        raise ArgumentError("wait_workers", f"{wait:g}", "only with `scheduler`", "leave `wait_workers` out")
-    if wait is not None and not 0.0 <= wait <= 1e6:
-        raise ArgumentError("wait_workers", f"{wait:g}", "0 to 1e6 seconds", "write 600 for ten minutes")
+    if worker_wait_seconds is not None and scheduler is None:
+        raise ArgumentError("wait_workers", f"{worker_wait_seconds:g}", "only with `scheduler`", "leave `wait_workers` out")
+    if worker_wait_seconds is not None and not 0.0 <= worker_wait_seconds <= 1e6:
+        raise ArgumentError("wait_workers", f"{worker_wait_seconds:g}", "0 to 1e6 seconds", "write 600 for ten minutes")
     calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
     if backend == "joblib" and (workers or 1) == 1:
         return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
-    return _run_in_workers(calls, backend, scheduler, workers or 0, LONELY if wait is None else wait)
+    return _run_in_workers(
+        calls, backend, scheduler, workers or 0, LONELY if worker_wait_seconds is None else worker_wait_seconds
+    )
 
 
 def _run_in_workers(
@@ -106,7 +108,7 @@ def _run_in_workers(
 ) -> Generator[tuple[int, Any], None, None]:
     """Run jobs in other processes or on a cluster, and yield number (from 0) and result of each.
 
-    ``calls``: function and arguments of each job; ``backend``, ``scheduler``: as for `as_done`; ``workers``: number of
+    ``calls``: function and arguments of each job; ``backend``, ``scheduler``: as for `run_jobs`; ``workers``: number of
     simultaneous jobs (0: as many as the cluster has workers); ``wait``: time to wait for a worker [s]. The exception of a
     job is raised here.
     """
@@ -150,10 +152,10 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
             return number, False, packed
 
 
-def _run_in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
+def _run_in_processes(requests: Sequence[Asked], workers: int) -> Generator[Answer, None, None]:
     """Run jobs in processes of this machine, and yield their replies as they arrive.
 
-    ``asked``: requests to the processes; ``workers``: number of processes. Closing the generator cancels the remaining
+    ``requests``: requests to the processes; ``workers``: number of processes. Closing the generator cancels the remaining
     jobs.
     """
     from joblib import Parallel, delayed
@@ -161,7 +163,7 @@ def _run_in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer,
 
     with single_thread_workers():  # max_nbytes: no read-only arguments
         many = Parallel(workers, return_as="generator_unordered", pre_dispatch=workers, batch_size=1, max_nbytes=None)
-        answers = many(delayed(_run_job)(*one) for one in asked)
+        answers = many(delayed(_run_job)(*one) for one in requests)
         try:
             with without_restart_warnings():
                 for answer in answers:  # noqa: UP028 - closed below, where its warning is suppressed
@@ -175,11 +177,11 @@ def _run_in_processes(asked: Sequence[Asked], workers: int) -> Generator[Answer,
 
 
 def _run_on_cluster(
-    asked: Sequence[Asked], scheduler: str | None, workers: int, wait: float
+    requests: Sequence[Asked], scheduler: str | None, workers: int, wait: float
 ) -> Generator[Answer, None, None]:
     """Run jobs on a Dask cluster, and yield the workers' replies as they arrive; closing cancels the remaining jobs.
 
-    ``asked``: requests to the workers; ``scheduler``: address; None: a cluster is started on this machine; ``workers``:
+    ``requests``: requests to the workers; ``scheduler``: address; None: a cluster is started on this machine; ``workers``:
     number of simultaneous jobs; 0: no limit; ``wait``: time to wait for a worker [s]. The scheduler gets all jobs at once,
     or as many as may run at the same time. It assigns them to workers as these join, and a cluster with adaptive size knows
     the amount of work.
@@ -187,14 +189,14 @@ def _run_on_cluster(
     with _connect_to_cluster(scheduler, workers) as client:
         from distributed import KilledWorker, as_completed
 
-        left, running = deque(asked), 0
-        looks = _check_cluster(client, scheduler or "a cluster on this machine", wait)
+        left, running = deque(requests), 0
+        looks = _check_cluster_repeatedly(client, scheduler or "a cluster on this machine", wait)
         next(looks)  # before the first job, so that a worker that this job kills is counted
         looked = monotonic()
         done = as_completed([], loop=client.loop)
         try:
             while left or running:
-                while left and running < (workers or len(asked)):
+                while left and running < (workers or len(requests)):
                     done.add(client.submit(_run_job, *left.popleft(), pure=False))
                     running += 1
                 if done.has_ready():
@@ -214,7 +216,7 @@ def _run_on_cluster(
             raise ArgumentError("scheduler", place, "workers with rollbench", INSTALL) from error
 
 
-def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
+def _check_cluster_repeatedly(client: Any, place: str, wait: float) -> Iterator[None]:
     """Yield after each check that a Dask cluster has workers and its scheduler answers.
 
     ``client``: Dask client of the cluster; ``place``: address of the scheduler, for messages. InputError if no worker joins
@@ -241,11 +243,11 @@ def _check_cluster(client: Any, place: str, wait: float) -> Iterator[None]:
                 if had_workers:
                     raise _lost_cluster_error(f"{place}: the last worker was lost, and no other joined within {wait:g} s")
                 start = f"start workers with: dask worker {place}; if they need more time, use `wait_workers=600`"
-                raise _no_cluster_error(place, f"no workers within {wait:g} s", start)
+                raise _unusable_cluster_error(place, f"no workers within {wait:g} s", start)
         yield
 
 
-def _no_cluster_error(place: str, reason: str, advice: str) -> InputError:
+def _unusable_cluster_error(place: str, reason: str, advice: str) -> InputError:
     """Return the error to raise for a Dask cluster that cannot be used; ``place``: address or name of the cluster."""
     return ArgumentError("scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
 
@@ -261,7 +263,7 @@ def _dead_worker_error(error: BaseException) -> InputError:
     return ArgumentError("workers", f"a worker that died ({type(error).__name__})", allowed, advice)
 
 
-def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
+def set_tls_certificates(ca: str | None, cert: str | None, key: str | None) -> None:
     """Set the TLS certificates with which this program connects to a scheduler at tls://HOST:PORT.
 
     Parameters
@@ -324,14 +326,14 @@ def _connect_to_cluster(scheduler: str | None, workers: int) -> Iterator[Any]:
                 asyncio.run(asyncio.wait_for(_try_connection(scheduler), PATIENCE))
             except Exception as error:  # nothing there, or something that is no scheduler
                 start = "start one with: dask scheduler; its address looks like tcp://host:8786"
-                raise _no_cluster_error(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
+                raise _unusable_cluster_error(place, f"no answer of a scheduler ({type(error).__name__})", start) from error
         client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         try:
             versions = set(
-                client.run(_version).values()
+                client.run(_rollbench_version).values()
             )  # versions of the present workers; `_run_job` checks those that join later
         except Exception as error:
-            raise _no_cluster_error(place, f"workers without rollbench ({error})", INSTALL) from error
+            raise _unusable_cluster_error(place, f"workers without rollbench ({error})", INSTALL) from error
         if versions - {__version__}:
             others = ", ".join(sorted(versions))
             raise _version_mismatch_error(f"{place}: workers of rollbench {others}", __version__)
@@ -368,6 +370,6 @@ async def _try_connection(scheduler: str) -> None:
     await comm.close()
 
 
-def _version() -> str:
+def _rollbench_version() -> str:
     """Return the version of this program; called on the workers of a cluster."""
     return __version__

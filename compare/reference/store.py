@@ -21,7 +21,7 @@ import numpy as np
 from rollbench.compare import __version__, files
 from rollbench.compare.files import replace_file
 from rollbench.compare.provenance import sources_hash
-from rollbench.compare.reference.tasks import Solvable, is_mesh_suitable, reset_nonstatic_fields, settings_with_tuples
+from rollbench.compare.reference.tasks import Solvable, is_mesh_suitable, mesh_settings_with_tuples, reset_nonstatic_fields
 from rollbench.compare.running import machine_description
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
@@ -38,7 +38,7 @@ LARGEST, DEEPEST = 8_000_000, 8
 
 def run_text_with_checksum(data: Mapping[str, Any]) -> str:
     """Return the text of the file of a 3D run: its data as JSON with a checksum, one line for each row of an array."""
-    whole = {**data, "checksum": checksum(data)}
+    whole = {**data, "checksum": checksum_of_data(data)}
     return json.dumps(whole, separators=(",", ":")).replace("],[", "],\n[") + "\n"
 
 
@@ -63,12 +63,12 @@ def read_checked_data(path: Path) -> dict[str, Any]:
         If the file cannot be read.
     """
     data = _parse_json_file(path)
-    if data.pop("checksum", None) != checksum(data):
+    if data.pop("checksum", None) != checksum_of_data(data):
         raise ValueError("the checksum in the file does not match its data: the file is damaged or was edited")
     return data
 
 
-def checksum(data: Mapping[str, Any]) -> str:
+def checksum_of_data(data: Mapping[str, Any]) -> str:
     """Return a hash of JSON data that does not depend on the order of keys or the layout of the text."""
     return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:32]
 
@@ -97,7 +97,7 @@ SOLVERS = ("hifi", "lowfi", "meshes")
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuringConditions:
     """Conditions under which computing times were measured: program version, sources and machine.
 
     Sources and machine are empty in runs of versions before 0.15.
@@ -116,12 +116,12 @@ class Measured:
 
 
 @cache
-def measuring_conditions() -> Measured:
+def measuring_conditions() -> MeasuringConditions:
     """Return the conditions under which this process measures computing times: version, sources, machine."""
-    return Measured(__version__, sources_hash(SOLVERS)[:16], machine_description())
+    return MeasuringConditions(__version__, sources_hash(SOLVERS)[:16], machine_description())
 
 
-def common_conditions(conditions: Iterable[Measured]) -> Measured | None:
+def common_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
     """Return the common conditions under which several computing times were measured; ValueError if they differ.
 
     ``conditions``: the conditions of each measurement; None is returned if there are none.
@@ -134,7 +134,7 @@ def common_conditions(conditions: Iterable[Measured]) -> Measured | None:
     return next(iter(found), None)
 
 
-def most_frequent_conditions(conditions: Iterable[Measured]) -> Measured | None:
+def most_frequent_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> MeasuringConditions | None:
     """Return the conditions under which most of several computing times were measured; None without any.
 
     ``conditions``: the conditions of each measurement.
@@ -241,9 +241,9 @@ class Run:
     machine: str = ""
 
     @property
-    def measured(self) -> Measured:
+    def measured(self) -> MeasuringConditions:
         """Conditions under which the run's times were measured."""
-        return Measured(self.versions.get("rollbench", ""), self.sources, self.machine)
+        return MeasuringConditions(self.versions.get("rollbench", ""), self.sources, self.machine)
 
     @property
     def answers(self) -> bool:
@@ -335,13 +335,13 @@ def _mesh_parts_of_key(
     """
     made_by = program_versions() if programs is None else {name: programs.get(name, "") for name in PROGRAMS}
     dims = dimensions_of_3d_parts(scene)
-    low, high = dims.ends(scene)
+    low, high = dims.ends_of_meshed_screw(scene)
     inner = dims.screw_held != "bore" and any(low < z < high for z in settings.get("stations", ()))
     hollow = dims.screw_held != "bore" and dims.shaft_radius is None and scene.screw.bore > 0.0
     marks = ((SECTIONS,) if inner else ()) + ((HOLLOW,) if hollow else ())
     return (
         replace(dims, assumed=(), mesh_only=()),
-        RecordFields(Settings, settings_with_tuples(settings)),
+        RecordFields(Settings, mesh_settings_with_tuples(settings)),
         tuple(sides),
         made_by,
         *marks,
@@ -393,7 +393,7 @@ def shipped_store() -> Path:
     return files.shipped_path("references")
 
 
-def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
+def load_stored_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
     """Return the stored run of the 3D reference for a scene; None if no folder has one.
 
     The run is identified by its content key, even if the scene had another name when the run was computed. Several runs may
@@ -420,16 +420,16 @@ def load_run(scene: Solvable, level: int, variant: str = "", stores: Sequence[Pa
     installed = program_versions()
     for store in (shipped_store(),) if stores is None else stores:
         runs = []
-        for path in run_files_of_scene(store, scene, level, variant):
-            run = read_run(path, scene, level, variant)
+        for path in files_of_stored_runs(store, scene, level, variant):
+            run = read_run_file(path, scene, level, variant)
             if run is not None and is_mesh_suitable(scene, level, variant, run.settings, run.sides):
                 runs.append(run)
         if runs:
-            return min(runs, key=partial(_preference_key, installed))
+            return min(runs, key=partial(_sort_key_of_run, installed))
     return None
 
 
-def run_files_of_scene(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
+def files_of_stored_runs(store: Path, scene: Solvable, level: int, variant: str = "") -> list[Path]:
     """Return the files of stored runs in the folder ``store`` whose content key fits a scene, mesh level and variant.
 
     Files with the scene's name come first. ``variant``: name of the modelling variant; empty: none.
@@ -437,38 +437,40 @@ def run_files_of_scene(store: Path, scene: Solvable, level: int, variant: str = 
     own, pattern = (_file_name_start(name, level, variant) for name in (scene.name, "*"))
     paths = sorted(store.glob(f"{pattern}{KEY}.json"), key=lambda path: (not path.name.startswith(own), path.name))
     meshes = {
-        mesh.text: mesh for path in paths if (mesh := _read_mesh(path)) is not None and mesh.balls == scene.ball_count
+        mesh.identifying_text: mesh
+        for path in paths
+        if (mesh := _read_mesh(path)) is not None and mesh.ball_count == scene.ball_count
     }
-    keys = {key for mesh in meshes.values() if (key := mesh.key(scene, variant)) is not None}
+    keys = {key for mesh in meshes.values() if (key := mesh.content_key_of_run(scene, variant)) is not None}
     return [path for path in paths if path.stem.rpartition("-")[2] in keys]
 
 
-class _Mesh(NamedTuple):
+class _MeshOfRun(NamedTuple):
     """What describes the mesh of a stored 3D run in its key: mesh settings, meshed flanks, program versions."""
 
     #: Number of balls of the run.
-    balls: int
+    ball_count: int
     #: Mesh settings by name.
-    settings: dict[str, Any]
+    mesh_settings: dict[str, Any]
     #: Numbers of the flanks that were meshed: 0 to 3 for SL, SR, NL, NR.
-    sides: tuple[int, ...]
+    meshed_flanks: tuple[int, ...]
     #: Versions of programs by name.
-    programs: dict[str, str]
+    program_versions: dict[str, str]
     #: Settings, flanks and versions as text, which identifies equal meshes.
-    text: str
+    identifying_text: str
 
-    def key(self, scene: Solvable, variant: str) -> str | None:
+    def content_key_of_run(self, scene: Solvable, variant: str) -> str | None:
         """Return the key that a stored run of ``scene`` on this mesh would have; None if the mesh does not fit the scene.
 
         ``variant``: name of the modelling variant; empty: none.
         """
         try:
-            return content_key_of_run(scene, variant, self.settings, self.sides, self.programs)
+            return content_key_of_run(scene, variant, self.mesh_settings, self.meshed_flanks, self.program_versions)
         except (ValueError, KeyError, TypeError):
             return None
 
 
-def _read_mesh(path: Path) -> _Mesh | None:
+def _read_mesh(path: Path) -> _MeshOfRun | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it cannot be read."""
     try:
         return _cached_mesh(path, path.stat().st_mtime_ns)
@@ -477,21 +479,21 @@ def _read_mesh(path: Path) -> _Mesh | None:
 
 
 @lru_cache(maxsize=100_000)
-def _cached_mesh(path: Path, _changed: int) -> _Mesh | None:
+def _cached_mesh(path: Path, _changed: int) -> _MeshOfRun | None:
     """Return mesh settings, meshed flanks and program versions from a stored run's file; None if it is damaged.
 
     The result is cached by the path and the file's time of change ``_changed`` [ns].
     """
     try:
         run = read_checked_data(path)
-        settings, sides, programs = settings_with_tuples(run["settings"]), tuple(run["sides"]), dict(run["versions"])
+        settings, sides, programs = mesh_settings_with_tuples(run["settings"]), tuple(run["sides"]), dict(run["versions"])
         text = canonical_text((RecordFields(Settings, settings), sides, programs))
-        return _Mesh(len(run["load"]), settings, sides, programs, text)
+        return _MeshOfRun(len(run["load"]), settings, sides, programs, text)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 
-def _preference_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
+def _sort_key_of_run(installed: Mapping[str, str], run: Run) -> tuple[float, ...]:
     """Return a sort key of stored runs: installed program versions first, then finest contact cells, largest patches.
 
     ``installed``: installed versions of gmsh and scikit-fem by name.
@@ -501,7 +503,7 @@ def _preference_key(installed: Mapping[str, str], run: Run) -> tuple[float, ...]
     return (other, *(x for mesh in each for x in mesh["semi"]), *(-x for mesh in each for x in mesh["reach"]))
 
 
-def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
+def read_run_file(path: Path, scene: Solvable, level: int, variant: str) -> Run | None:
     """Read a stored run of a scene on a mesh level, with a modelling variant ("": none), from a file.
 
     None if the file is damaged, is of another mesh level or variant, or its name does not contain the content key.
@@ -513,7 +515,7 @@ def read_run(path: Path, scene: Solvable, level: int, variant: str) -> Run | Non
         data |= {
             "sides": tuple(data["sides"]),
             "assumed": tuple(data["assumed"]),
-            "settings": settings_with_tuples(data["settings"]),
+            "settings": mesh_settings_with_tuples(data["settings"]),
         }
         run = Run(**data, **arrays, without=without)
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, scaled_settings
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
+from rollbench.compare.reference.levels import LEVELS, SOURCE_LEVEL, VARIANTS, mesh_settings_of_level
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.record_keys import RecordFields, canonical_text
@@ -30,20 +30,20 @@ _SIZED = ("semi", "reach", "sides")
 
 
 @dataclass(frozen=True)
-class SetUp:
+class MeshSpecification:
     """What is to be meshed for a nut or bearing row, or for equal ones on a shaft: bodies, flanks, mesh settings."""
 
     #: Nut or row as a scene; if the shaft has several, axial positions are relative to the row.
-    bodies: Scene
+    parts: Scene
     #: Numbers of the meshed flanks: 0 to 3 for SL, SR, NL, NR.
-    sides: tuple[int, ...]
+    meshed_flanks: tuple[int, ...]
     #: Mesh settings.
-    settings: Settings
+    mesh_settings: Settings
     #: Numbers (from 0) of the equal nuts or rows on the shaft that share what is meshed.
-    sets: tuple[int, ...] = (0,)
+    set_numbers: tuple[int, ...] = (0,)
 
 
-def node_stations(*cases: Solvable) -> tuple[float, ...]:
+def stations_of_load_cases(*cases: Solvable) -> tuple[float, ...]:
     """Return the axial positions [m] of supports and loads of all load cases, at which the 3D shaft has nodes."""
     return tuple(sorted({x.at for case in cases for given in (case.supports, case.loads) for x in given}))
 
@@ -55,25 +55,25 @@ def ball_slices_by_set(described: Solvable) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
-def refusal_of_reference(described: Solvable, error: ValueError) -> Refusal:
+def refusal_of_3d_reference(described: Solvable, error: ValueError) -> SceneNotCoveredError:
     """Return the error to raise for a scene that the 3D reference cannot solve; ``error``: the reason."""
     advice = "change the named dimension or key, or use a low-order model"
-    return Refusal(described.name, "3D reference", str(error), advice)
+    return SceneNotCoveredError(described.name, "3D reference", str(error), advice)
 
 
 def _bodies_to_mesh(case: Solvable) -> list[Scene]:
     """Return each nut or bearing row of a load case as a scene to be meshed; Refusal for a row without a 3D model."""
     if isinstance(case, Scene):
         return [case]
-    from rollbench.hifi.several_sets import describe_bodies_of_each_set
+    from rollbench.hifi.several_sets import meshed_geometry_of_each_set
 
     try:
-        return [of_set.bodies for of_set in describe_bodies_of_each_set(case)]
+        return [of_set.parts_without_errors for of_set in meshed_geometry_of_each_set(case)]
     except ValueError as error:
-        raise refusal_of_reference(case, error) from error
+        raise refusal_of_3d_reference(case, error) from error
 
 
-def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
+def _estimate_expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[ExpectedContacts, ...]:
     """Return the expected contact loads and angles of each nut or bearing, from which mesh sizes are chosen.
 
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes. For a nut or bearing without load, a tenth
@@ -89,14 +89,14 @@ def _expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tuple[Expecte
         if isinstance(case, Scene):
             return (estimate_contacts_of_scene(case),)
         expected = estimate_contacts_of_each_set(case)
-        carried = np.concatenate([e.load[e.load > 0.0] for e in expected])
+        carried = np.concatenate([e.loads[e.loads > 0.0] for e in expected])
         light = 0.1 * float(carried.mean()) if carried.size else 0.0
         return tuple(
-            e if e.load.any() else estimate_contacts_under_assumed_load(body, e, light)
+            e if e.loads.any() else estimate_contacts_under_assumed_load(body, e, light)
             for body, e in zip(bodies, expected, strict=True)
         )
     except ValueError as error:
-        raise refusal_of_reference(case, error) from error
+        raise refusal_of_3d_reference(case, error) from error
 
 
 def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
@@ -104,7 +104,9 @@ def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
 
     ``expected``: expected contacts of every load case. Flanks 0 to 3 are SL, SR, NL, NR.
     """
-    return tuple(sorted({side for e in expected for touching in e.sides() for side in (touching, 3 - touching)}))
+    return tuple(
+        sorted({side for e in expected for touching in e.nearly_touching_flanks() for side in (touching, 3 - touching)})
+    )
 
 
 def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
@@ -112,10 +114,10 @@ def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
 
     Flanks 0 to 3 are SL, SR, NL, NR. Refusal if the low-order estimate of the contact loads finds no equilibrium.
     """
-    return _flanks_under_load(_expected_contacts(scene, ()))
+    return _flanks_under_load(_estimate_expected_contacts(scene, ()))
 
 
-def setups_to_mesh(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[SetUp, ...]:
+def mesh_specifications(cases: Sequence[Solvable], level: int, variant: str = "") -> tuple[MeshSpecification, ...]:
     """Return what must be meshed on a mesh level for load cases of the same parts: bodies, flanks and mesh settings.
 
     Parameters
@@ -142,39 +144,39 @@ def setups_to_mesh(cases: Sequence[Solvable], level: int, variant: str = "") -> 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise ArgumentError("levels", str(level), f"1 to {len(LEVELS)}", "choose a level in this range")
     bodies = _bodies_to_mesh(cases[0])
-    expected = [*zip(*(_expected_contacts(case, bodies) for case in cases), strict=True)]
+    expected = [*zip(*(_estimate_expected_contacts(case, bodies) for case in cases), strict=True)]
     shared: dict[tuple[Scene, tuple[int, ...]], list[int]] = {}
     for k, body in enumerate(bodies):
         shared.setdefault((body, _flanks_under_load(expected[k])), []).append(k)
     out = []
     for (body, sides), sets in shared.items():
-        sizes = scaled_settings(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
+        sizes = mesh_settings_of_level(level, body.balls.radius, VARIANTS[variant].refined if variant else ())
         semi, reach = (
             [round_up_lengths(getattr(e, name)()) for k in sets for e in expected[k]] for name in ("semi", "reach")
         )
         sizes["semi"] = (min(a for a, _ in semi), min(b for _, b in semi))
         sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
         sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
-        out.append(SetUp(body, sides, Settings(**sizes), tuple(sets)))
+        out.append(MeshSpecification(body, sides, Settings(**sizes), tuple(sets)))
     return tuple(out)
 
 
 def mesh_settings(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
     """Return the mesh settings for scenes of one geometry, each with one nut or bearing row, on a mesh level.
 
-    ``variant``: name of the modelling variant; empty: none. See `setups_to_mesh`.
+    ``variant``: name of the modelling variant; empty: none. See `mesh_specifications`.
     """
-    return setups_to_mesh(scenes, level, variant)[0].settings
+    return mesh_specifications(scenes, level, variant)[0].mesh_settings
 
 
-def settings_to_store(ups: Sequence[SetUp]) -> dict[str, Any]:
+def mesh_settings_to_store(specifications: Sequence[MeshSpecification]) -> dict[str, Any]:
     """Return the mesh settings to store with a run of several nuts or bearing rows on one shaft.
 
-    ``ups``: bodies, flanks and settings of what was meshed. The returned dictionary has the keys "b_over_h" (number of
-    cells per semi-axis of a contact) and "sets" (mesh settings and meshed flanks of each row).
+    ``specifications``: bodies, flanks and settings of what was meshed. The returned dictionary has the keys "b_over_h"
+    (number of cells per semi-axis of a contact) and "sets" (mesh settings and meshed flanks of each row).
     """
-    by_set = {k: asdict(up.settings) | {"sides": up.sides} for up in ups for k in up.sets}
-    return {"b_over_h": ups[0].settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
+    by_set = {k: asdict(up.mesh_settings) | {"sides": up.meshed_flanks} for up in specifications for k in up.set_numbers}
+    return {"b_over_h": specifications[0].mesh_settings.b_over_h, "sets": tuple(by_set[k] for k in sorted(by_set))}
 
 
 def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
@@ -186,12 +188,12 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:
-        wanted = settings_to_store(setups_to_mesh([changed], level, variant))["sets"]
+        wanted = mesh_settings_to_store(mesh_specifications([changed], level, variant))["sets"]
     except InputError:
         return False
     meshed = settings.get("sets", ({**settings, "sides": sides},))
     return len(meshed) == len(wanted) and all(
-        _mesh_covers(settings_with_tuples(kept), need) for kept, need in zip(meshed, wanted, strict=True)
+        _mesh_covers(mesh_settings_with_tuples(kept), need) for kept, need in zip(meshed, wanted, strict=True)
     )
 
 
@@ -229,14 +231,14 @@ def reset_nonstatic_fields(assembly: Assembly, reset_values: Mapping[str, Any]) 
     return replace(assembly, sets=tuple(bare), friction=None, motion=None, stiffness_at=None, **words)
 
 
-def shared_mesh_geometry(scene: Solvable) -> tuple[Any, ...]:
+def values_that_determine_meshes(scene: Solvable) -> tuple[Any, ...]:
     """Return those values of a scene (geometry, materials) that must be equal in scenes that share their meshes."""
     if isinstance(scene, Assembly):
         each = (
-            (s.parts if not isinstance(s.parts, Scene) else shared_mesh_geometry(s.parts), s.position, s.carrier)
+            (s.parts if not isinstance(s.parts, Scene) else values_that_determine_meshes(s.parts), s.position, s.carrier)
             for s in scene.sets
         )
-        return (*each, scene.screw, scene.thermal_strain, node_stations(scene))
+        return (*each, scene.screw, scene.thermal_strain, stations_of_load_cases(scene))
     return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
 
 
@@ -244,23 +246,23 @@ def group_by_geometry(scenes: Sequence[Solvable]) -> list[list[Solvable]]:
     """Sort scenes into groups of equal geometry, which can share meshes, in the order of first occurrence."""
     alike: dict[object, list[Solvable]] = {}
     for scene in scenes:
-        alike.setdefault(shared_mesh_geometry(scene), []).append(scene)
+        alike.setdefault(values_that_determine_meshes(scene), []).append(scene)
     return list(alike.values())
 
 
-def settings_with_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
+def mesh_settings_with_tuples(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return mesh settings read from JSON, with lists replaced by tuples."""
 
     def as_tuples(value: Any) -> Any:
         if isinstance(value, list | tuple):
             return tuple(map(as_tuples, value))
-        return settings_with_tuples(value) if isinstance(value, dict) else value
+        return mesh_settings_with_tuples(value) if isinstance(value, dict) else value
 
     return {name: as_tuples(value) for name, value in settings.items()}
 
 
 @dataclass(frozen=True)
-class Task:
+class ReferenceTask:
     """One computation of the 3D reference: load cases of one geometry, solved on the meshes of one level."""
 
     #: Scenes of one geometry.
@@ -270,16 +272,16 @@ class Task:
     #: Modelling variant; empty: none.
     variant: str = ""
     #: Whether scenes are also solved without each ingredient of the 3D model in turn.
-    ablate: bool = False
+    leave_out_each_part: bool = False
     #: Folder of the mesh cache; None: no cache.
-    cache: Path | None = None
+    cache_folder: Path | None = None
     #: Number of processes that mesh and condense the parts.
     processes: int = 1
     #: Cell size for the cut ends of the shaft, over the cell size of the mesh level.
-    cut_cells: float = 1.0
+    cut_end_cell_ratio: float = 1.0
 
     @property
-    def single(self) -> tuple[Scene, ...]:
+    def single_row_scenes(self) -> tuple[Scene, ...]:
         """Those scenes of the task that have a single nut or bearing row."""
         return tuple(scene for scene in self.scenes if isinstance(scene, Scene))
 

@@ -7,34 +7,34 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import Refusal
-from rollbench.compare.models.answers import AxisAnswers
-from rollbench.compare.models.load_cases import SolvedAxis
+from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.models.answers import ShaftResults
+from rollbench.compare.models.load_cases import ShaftSolution
 from rollbench.compare.report.parts import (
-    page_provenance,
+    page_origin_facts,
     results_table,
-    scene_text,
-    source_code_hash,
+    scene_file_text,
+    source_code_hash_by_name,
     warnings_and_assumptions_section,
 )
 from rollbench.compare.results.rows import bearing_and_nut_rows, expected_error_sentence, solution_rows
-from rollbench.compare.results.scene_json import ball_rows_of_axis, roller_rows, solved_case_json
+from rollbench.compare.results.scene_json import ball_rows_of_shaft_json, roller_rows_json, solved_case_json
 from rollbench.compare.results.view import collect_view_data
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.result import AxisResult
 from rollbench.meshes.parts import FREEDOMS, SIDES
-from rollbench.reports.content import Quantity, Row, Section, Table
+from rollbench.reports.content import Row, Section, Table, TableColumn
 from rollbench.reports.scene_page import ScenePage
 
 
-def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePage:
+def result_page_of_shaft(scene_name: str, solved_shaft: ShaftSolution, stores: Sequence[Path]) -> ScenePage:
     """Return the page with the results of a shaft that carries several ball nuts or bearing rows.
 
     Parameters
     ----------
-    name
+    scene_name
         Path of the scene file, or name of a shipped scene.
-    one
+    solved_shaft
         Solution of the shaft under one load case.
     stores
         Folders with stored runs of the 3D reference.
@@ -49,31 +49,33 @@ def page_of_axis(name: str, one: SolvedAxis, stores: Sequence[Path]) -> ScenePag
     Refusal
         If the scene has no solution.
     """
-    scene, result = one.scene, one.result
-    if one.answers is None:
-        raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
-    text, data = scene_text(name), solved_case_json(one)
+    scene, result = solved_shaft.scene, solved_shaft.result
+    if solved_shaft.derived_results is None:
+        raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
+    text, data = scene_file_text(scene_name), solved_case_json(solved_shaft)
     parts = [
-        Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(one)),
+        Section("sets", "Forces and stiffness of nuts and bearings", _force_and_stiffness_tables(solved_shaft)),
         Section("loads", "Contact loads and pressures", [*_contact_load_tables(result)]),
     ]
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure and life by rollbench, model {result.model}",
-        highest_pressure_sentence(result, one.answers),
+        highest_pressure_sentence(result, solved_shaft.derived_results),
         (),
         None,
         (*parts, warnings_and_assumptions_section(result)),
-        page_provenance(name, scene, text, result.model),
+        page_origin_facts(scene_name, scene, text, result.model),
         text,
         data,
-        source_code_hash(),
-        view=collect_view_data(scene.title, [one], data, (), stores),
-        table=results_table(solution_rows(one), f"Results by the model {result.model}", expected_error_sentence(None)),
+        source_code_hash_by_name(),
+        view=collect_view_data(scene.title, [solved_shaft], data, (), stores),
+        table=results_table(
+            solution_rows(solved_shaft), f"Results by the model {result.model}", expected_error_sentence(None)
+        ),
     )
 
 
-def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
+def highest_pressure_sentence(result: AxisResult, answers: ShaftResults) -> str:
     """Return the main result of a shaft as one sentence: the contact with the highest pressure relative to its limit.
 
     Parameters
@@ -88,10 +90,10 @@ def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     str
         Sentence with load [N], pressure [MPa] and static safety of this contact, or that no contact carries load.
     """
-    if not answers.sets_by_pressure:
+    if not answers.set_indices_by_pressure:
         return "No contact carries load."
-    k = answers.sets_by_pressure[0]
-    worst, safety = answers.sets[k].loads.worst, answers.sets[k].loads.safety
+    k = answers.set_indices_by_pressure[0]
+    worst, safety = answers.set_results[k].load_results.worst_contact, answers.set_results[k].load_results.safety
     assert worst is not None
     assert safety is not None
     return (
@@ -100,25 +102,25 @@ def highest_pressure_sentence(result: AxisResult, answers: AxisAnswers) -> str:
     )
 
 
-def _force_and_stiffness_tables(one: SolvedAxis) -> list[Table]:
+def _force_and_stiffness_tables(solved_shaft: ShaftSolution) -> list[Table]:
     """Return the table of force and stiffness of each nut and bearing and, if computed, the stiffness of the whole shaft.
 
-    ``one``: the solved shaft.
+    ``solved_shaft``: the solved shaft.
     """
-    result = one.result
+    result = solved_shaft.result
     rows: list[Row] = [
-        {Quantity(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
-        for row in bearing_and_nut_rows(one)
+        {TableColumn(head, head, "", "s" if head == "set" else "g4"): text for head, text in row.items()}
+        for row in bearing_and_nut_rows(solved_shaft)
     ]
-    tables = [Table.of("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
+    tables = [Table.from_rows("sets", "Force on the shaft and stiffness of each nut or bearing", rows)]
     if result.stiffness is not None:
         cells: list[Row] = []
         for freedom, line in zip(FREEDOMS, result.stiffness, strict=True):
-            cell: Row = {Quantity("freedom", "force or moment", "", "s"): freedom}
-            cell |= {Quantity(f, f): None if np.isnan(x) else float(x) for f, x in zip(FREEDOMS, line, strict=True)}
+            cell: Row = {TableColumn("freedom", "force or moment", "", "s"): freedom}
+            cell |= {TableColumn(f, f): None if np.isnan(x) else float(x) for f, x in zip(FREEDOMS, line, strict=True)}
             cells.append(cell)
         note = f"{result.stiffness_at}; a dash: a fixed freedom; rows and columns in N, N m, m and rad."
-        tables.append(Table.of("tangent", "Tangent stiffness of the whole shaft, 6 x 6", cells, note))
+        tables.append(Table.from_rows("tangent", "Tangent stiffness of the whole shaft, 6 x 6", cells, note))
     return tables
 
 
@@ -130,30 +132,30 @@ def _contact_load_tables(result: AxisResult) -> Iterator[Table]:
     names = [s.of.name for s in result.sets]
     rows: list[Row] = [
         {
-            Quantity("set", "set", "", "s"): names[row["set"] - 1],
-            Quantity("ball", "ball"): row["index"],
-            Quantity("side", "flank", "", "s"): side,
-            Quantity("load", "load", "N", ".1f"): row["load_N"][side],
-            Quantity("angle", "contact angle", "deg", ".2f"): row["contact_angle_deg"][side],
-            Quantity("pressure", "peak pressure", "MPa", ".0f"): row["pressure_MPa"][side],
+            TableColumn("set", "set", "", "s"): names[row["set"] - 1],
+            TableColumn("ball", "ball"): row["index"],
+            TableColumn("side", "flank", "", "s"): side,
+            TableColumn("load", "load", "N", ".1f"): row["load_N"][side],
+            TableColumn("angle", "contact angle", "deg", ".2f"): row["contact_angle_deg"][side],
+            TableColumn("pressure", "peak pressure", "MPa", ".0f"): row["pressure_MPa"][side],
         }
-        for row in ball_rows_of_axis(result)
+        for row in ball_rows_of_shaft_json(result)
         for side in SIDES
         if row["load_N"][side]
     ]
     if rows:
         note = "Peak pressure by Hertz theory with the radii of each contact."
-        yield Table.of("contacts", "Load, contact angle and pressure of every loaded ball contact", rows, note)
+        yield Table.from_rows("contacts", "Load, contact angle and pressure of every loaded ball contact", rows, note)
     found: list[Row] = [
         {
-            Quantity("set", "set", "", "s"): names[row["set"] - 1],
-            Quantity("roller", "roller"): row["index"],
-            Quantity("load", "load", "N", ".1f"): row["load_N"],
-            Quantity("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],
-            **{Quantity(race, f"pressure, {race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
+            TableColumn("set", "set", "", "s"): names[row["set"] - 1],
+            TableColumn("roller", "roller"): row["index"],
+            TableColumn("load", "load", "N", ".1f"): row["load_N"],
+            TableColumn("line", "largest line load", "N/mm", ".1f"): row["largest_line_load_N_mm"],
+            **{TableColumn(race, f"pressure, {race} race", "MPa", ".0f"): row["pressure_MPa"][race] for race in RACES},
         }
-        for row in roller_rows(result)
+        for row in roller_rows_json(result)
     ]
     if found:
         note = "Pressures are the largest along the roller, on either raceway."
-        yield Table.of("rollers", "Load, line load and pressure of every roller", found, note)
+        yield Table.from_rows("rollers", "Load, line load and pressure of every roller", found, note)

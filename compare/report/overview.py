@@ -8,28 +8,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.evidence import all_computations, evidence_of_all_tables
-from rollbench.compare.gate.verdict import LIMIT, Limits, judge_contact_loads
-from rollbench.compare.measure import SMALL, scale_of_gate_errors
+from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
+from rollbench.compare.measure import SMALL, load_scale_of_check_errors
 from rollbench.compare.models.comparison import REFERENCED, RULE
-from rollbench.compare.models.model_form import Point, errors_on_drawn_screws
-from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
-from rollbench.compare.models.modelling import model_errors_on_shipped_scenes as compared_points
+from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_random_screws
+from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, ladder
+from rollbench.compare.models.modelling import model_errors_on_built_in_scenes as compared_points
 from rollbench.compare.models.registry import DEFAULT
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.models.uncertainty import CONTACTS, bias_and_scatter, uncertainty_of_loads
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.sections.reference_time import (
     FLOOR,
-    LargestError,
-    TimePoint,
-    measurement_conditions_sentence,
-    points_of_all_scenes,
+    ErrorAndRunTime,
+    LargestErrorWithRange,
+    errors_and_times_of_all_scenes,
+    run_time_conditions_sentence,
 )
-from rollbench.compare.sections.source_tables import reproduced_counts_table
+from rollbench.compare.sections.source_tables import counts_of_reproduced_numbers_table
 from rollbench.compare.sections.u_val import validated_errors_of_models
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Summary, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Summary, Table, TableColumn, Text
 
 QUESTION = "How accurate are low-order models of ball screws, and how much run time does a more accurate model take?"
 TITLE = "Contact-load errors of the models on all compared screws, and error of each model and 3D mesh over its run time"
@@ -46,8 +46,8 @@ FAMILIES = (
 #: Family name of all 3D meshes.
 SOLID = "3D reference"
 #: Columns of the table of bias, scatter and largest error.
-BIAS, SCATTER = Quantity("bias", "bias", "%", "+.2f"), Quantity("scatter", "scatter", "%", ".2f")
-LARGEST = Quantity("largest", "largest error", "%", ".1f")
+BIAS, SCATTER = TableColumn("bias", "bias", "%", "+.2f"), TableColumn("scatter", "scatter", "%", ".2f")
+LARGEST = TableColumn("largest", "largest error", "%", ".1f")
 #: Models that represent their family in figures and tables.
 KINDS = {DEFAULT: "refined", "lin": "lin"}
 #: Names of these models in a sentence.
@@ -68,26 +68,26 @@ class ModelAccuracy:
     #: Family of the model, which determines its colour: one of `FAMILIES` or all 3D meshes.
     family: str
     #: Number of scenes on which the model or mesh converged.
-    scenes: int
+    scene_count: int
     #: Largest error of a contact load over all scenes [% of the mean load].
-    worst: float
+    largest_error_percent: float
     #: Name of the scene with this error.
-    worst_scene: str
+    scene_of_largest_error: str
     #: Median over the scenes of the largest error [% of the mean load].
-    median: float
+    median_error_percent: float
     #: Median over the scenes of the RMS error of the contact loads [% of the mean load].
-    rms: float
+    median_rms_error_percent: float
     #: Largest RMS error over the scenes [% of the mean load].
-    worst_rms: float
+    largest_rms_error_percent: float
     #: Median time in a new process with empty caches [s] (cold start); None: not measured.
-    cold: float | None
+    cold_start_seconds: float | None
     #: Median over the scenes of the largest error as ``rollbench check`` judges it [%], and of the ends of its range.
-    gate: LargestError
+    median_gate_error: LargestErrorWithRange
     #: Number of scenes that pass ``rollbench check`` with its default limit.
-    passed: int
+    passed_scene_count: int
 
 
-def model_family(point: TimePoint) -> str:
+def model_family(point: ErrorAndRunTime) -> str:
     """Return the name of the family to which the model or 3D mesh of a measured point belongs.
 
     ``point``: error and run time of the model on a scene. Families of models are those of `FAMILIES`; a model that is in
@@ -98,7 +98,7 @@ def model_family(point: TimePoint) -> str:
     return next((family for family, names in FAMILIES if point.name in names), point.label)
 
 
-def error_or_uncertainty(point: TimePoint) -> float:
+def largest_error_or_mesh_uncertainty(point: ErrorAndRunTime) -> float:
     """Return the largest contact-load error of a model or 3D mesh on a scene [% of the mean load].
 
     ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty is returned.
@@ -106,7 +106,7 @@ def error_or_uncertainty(point: TimePoint) -> float:
     return point.high if point.error == 0.0 and point.high is not None else point.error
 
 
-def error_by_gate(point: TimePoint) -> LargestError:
+def gate_error_or_mesh_uncertainty(point: ErrorAndRunTime) -> LargestErrorWithRange:
     """Return the largest contact-load error of a model or 3D mesh on a scene as ``rollbench check`` judges it [%].
 
     ``point``: its errors and run time. For the finest mesh level, which is the reference, its mesh uncertainty takes the
@@ -115,7 +115,7 @@ def error_by_gate(point: TimePoint) -> LargestError:
     return replace(point.gate, error=point.gate.high) if point.gate.error == 0.0 else point.gate
 
 
-def errors_by_model(points: Mapping[str, Sequence[TimePoint]]) -> list[ModelAccuracy]:
+def summarise_accuracy_by_model(points: Mapping[str, Sequence[ErrorAndRunTime]]) -> list[ModelAccuracy]:
     """Return errors and run times of every model and 3D mesh level, summarised over the scenes; least accurate first.
 
     Parameters
@@ -123,68 +123,73 @@ def errors_by_model(points: Mapping[str, Sequence[TimePoint]]) -> list[ModelAccu
     points
         Errors and run time of each model and mesh level, by name of the scene.
     """
-    found: dict[str, list[tuple[str, TimePoint]]] = {}
+    found: dict[str, list[tuple[str, ErrorAndRunTime]]] = {}
     for scene, several in points.items():
         for point in several:
-            if point.status == "converged" and error_or_uncertainty(point) > 0.0:
+            if point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0:
                 found.setdefault(point.label, []).append((scene, point))
-    return sorted((_accuracy_of_model(label, group) for label, group in found.items()), key=lambda s: -s.median)
+    return sorted(
+        (_summarise_model_accuracy(label, group) for label, group in found.items()), key=lambda s: -s.median_error_percent
+    )
 
 
-def _accuracy_of_model(label: str, group: Sequence[tuple[str, TimePoint]]) -> ModelAccuracy:
+def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, ErrorAndRunTime]]) -> ModelAccuracy:
     """Return the errors and run time of one model or mesh level, as medians and maxima over the scenes.
 
-    ``label``: its name in tables. ``group``: pairs of a scene's name, and errors and run time on this scene.
+    ``label``: its name in tables. ``points_by_scene``: pairs of a scene's name, and errors and run time on this scene.
     """
-    first = group[0][1]
-    errors = [error_or_uncertainty(p) for _, p in group]
+    first = points_by_scene[0][1]
+    errors = [largest_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     k = int(np.argmax(errors))
-    times = [p.cold for _, p in group if p.cold is not None]
-    gate = [error_by_gate(p) for _, p in group]
+    times = [p.cold for _, p in points_by_scene if p.cold is not None]
+    gate = [gate_error_or_mesh_uncertainty(p) for _, p in points_by_scene]
     return ModelAccuracy(
         name=first.name,
         label=label,
         family=model_family(first),
-        scenes=len(group),
-        worst=errors[k],
-        worst_scene=group[k][0],
-        median=float(np.median(errors)),
-        rms=float(np.median([p.rms for _, p in group])),
-        worst_rms=max(p.rms for _, p in group),
-        cold=float(np.median(times)) if times else None,
-        gate=LargestError(
+        scene_count=len(points_by_scene),
+        largest_error_percent=errors[k],
+        scene_of_largest_error=points_by_scene[k][0],
+        median_error_percent=float(np.median(errors)),
+        median_rms_error_percent=float(np.median([p.rms for _, p in points_by_scene])),
+        largest_rms_error_percent=max(p.rms for _, p in points_by_scene),
+        cold_start_seconds=float(np.median(times)) if times else None,
+        median_gate_error=LargestErrorWithRange(
             *(float(np.median(ends)) for ends in zip(*((g.error, g.low, g.high) for g in gate), strict=True))
         ),
-        passed=sum(g.high <= LIMIT for g in gate),
+        passed_scene_count=sum(g.high <= LIMIT for g in gate),
     )
 
 
-def pareto_front(found: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
+def pareto_optimal_models(accuracies: Sequence[ModelAccuracy]) -> list[ModelAccuracy]:
     """Return the Pareto-optimal models and mesh levels, fastest first: no other is both faster and more accurate.
 
-    ``found``: errors and run times of all models and mesh levels. Compared are the median of the largest error, as
+    ``accuracies``: errors and run times of all models and mesh levels. Compared are the median of the largest error, as
     ``rollbench check`` judges it, and the time of a cold start.
     """
     best: list[ModelAccuracy] = []
-    for one in sorted((s for s in found if s.cold is not None), key=lambda s: (s.cold, s.gate.error)):
-        if not best or one.gate.error < best[-1].gate.error:
+    for one in sorted(
+        (s for s in accuracies if s.cold_start_seconds is not None),
+        key=lambda s: (s.cold_start_seconds, s.median_gate_error.error),
+    ):
+        if not best or one.median_gate_error.error < best[-1].median_gate_error.error:
             best.append(one)
     return best
 
 
 def error_distribution_and_time_figure(
-    screws: Mapping[str, Array],
-    points: Mapping[str, Sequence[TimePoint]],
+    largest_errors: Mapping[str, Array],
+    points: Mapping[str, Sequence[ErrorAndRunTime]],
     name: str,
     size: tuple[float, float],
     *,
-    all_names: bool = True,
+    label_all_models: bool = True,
 ) -> Figure:
     """Draw two panels: distribution of load errors over all compared screws, and load error over cold-start time.
 
     Parameters
     ----------
-    screws
+    largest_errors
         Largest error on each screw [% of the mean load], by model.
     points
         Errors and run time of each model and mesh level, by name of the scene.
@@ -192,18 +197,20 @@ def error_distribution_and_time_figure(
         File name of the figure.
     size
         Width and height [inches].
-    all_names
+    label_all_models
         Whether all models and mesh levels are named; if not, only the representative models and the Pareto front are.
     """
     points = {name: [p for p in several if p.cold is not None] for name, several in points.items()}
-    time = _error_over_time_panel(points, errors_by_model(points), "run time of a cold start / s", all_names=all_names)
-    counts = " and ".join(sorted({str(errors.size) for errors in screws.values()}))
+    time = _error_over_time_panel(
+        points, summarise_accuracy_by_model(points), "run time of a cold start / s", label_all_models=label_all_models
+    )
+    counts = " and ".join(sorted({str(errors.size) for errors in largest_errors.values()}))
     caption = (
         f"First panel: share of {counts} screws whose largest contact-load error is below the abscissa. Second panel: "
         f"{TIMED} Cold start: a new process with empty caches."
     )
-    panels = (error_distribution_panel(screws), time)
-    return Figure(name, TITLE, panels, caption, columns=2 if all_names else 1, size=size)
+    panels = (error_distribution_panel(largest_errors), time)
+    return Figure(name, TITLE, panels, caption, columns=2 if label_all_models else 1, size=size)
 
 
 #: Caption of a panel of errors over run time.
@@ -214,29 +221,31 @@ TIMED = (
 )
 
 
-def error_distribution_panel(screws: Mapping[str, Array]) -> Panel:
+def error_distribution_panel(largest_errors: Mapping[str, Array]) -> Panel:
     """Return the panel of the cumulative distribution of the largest contact-load error over all compared screws.
 
     Parameters
     ----------
-    screws
+    largest_errors
         Largest error on each screw, in ascending order [% of the mean load], by model.
     """
     series = []
-    for model, errors in screws.items():
+    for model, errors in largest_errors.items():
         share = 100.0 * np.arange(1, errors.size + 1) / max(errors.size, 1)
-        series.append(Series(model, errors.tolist(), share.tolist(), "line", emphasis=True))
+        series.append(Series(model, errors.tolist(), share.tolist(), "line", bold=True))
     x, y = "largest error / % of the mean load", "share of screws up to this error / %"
-    return Panel("", x, y, series, log="x", zero=True)
+    return Panel("", x, y, series, log_axes="x", include_zero=True)
 
 
-def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figure:
+def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[ErrorAndRunTime]]) -> Figure:
     """Draw the largest load error of each model and 3D mesh level over the time of a further load case of a known geometry.
 
     ``points``: errors and run times of each model and mesh level, by name of the scene.
     """
     warm = {name: [replace(p, cold=p.warm) for p in several if p.warm is not None] for name, several in points.items()}
-    panel = _error_over_time_panel(warm, errors_by_model(warm), "run time of a further load case / s", all_names=True)
+    panel = _error_over_time_panel(
+        warm, summarise_accuracy_by_model(warm), "run time of a further load case / s", label_all_models=True
+    )
     return Figure(
         "error-time-further",
         "Largest contact-load error of each model and 3D mesh level over the run time of a further load case",
@@ -246,7 +255,7 @@ def further_load_case_figure(points: Mapping[str, Sequence[TimePoint]]) -> Figur
     )
 
 
-def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
+def largest_load_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
     """Return the largest contact-load error on each compared screw, in ascending order [% of the mean load], by model.
 
     ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
@@ -255,7 +264,7 @@ def largest_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
     return {model: np.sort([p.percent for p in of_screws if p.model == model]) for model in KINDS}
 
 
-def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
+def largest_gate_errors_on_screws(points: Sequence[MeasuredModelErrors]) -> dict[str, Array]:
     """Return the largest load error on each compared screw as ``rollbench check`` judges it [%], by model.
 
     ``points``: one record for each model and scene. Bearings (scenes without lead) are left out.
@@ -265,7 +274,11 @@ def gate_errors_on_screws(points: Sequence[Point]) -> dict[str, Array]:
 
 
 def _error_over_time_panel(
-    points: Mapping[str, Sequence[TimePoint]], found: Sequence[ModelAccuracy], label: str, *, all_names: bool
+    points: Mapping[str, Sequence[ErrorAndRunTime]],
+    accuracies: Sequence[ModelAccuracy],
+    label: str,
+    *,
+    label_all_models: bool,
 ) -> Panel:
     """Return the panel of load errors over run time: a point per scene and model, medians, and the Pareto front.
 
@@ -275,135 +288,153 @@ def _error_over_time_panel(
     ----------
     points
         Errors and run times of each model and mesh level, by name of the scene; the field ``cold`` is the drawn time [s].
-    found
+    accuracies
         Medians over the scenes, for each model and mesh level.
     label
         Label of the time axis.
-    all_names
+    label_all_models
         Whether the medians of all models are labelled; if not, only those of `KINDS` and of the Pareto front.
     """
     others = [model_family(p) for several in points.values() for p in several]
     families = list(dict.fromkeys([*(family for family, _ in FAMILIES), SOLID, *others]))
     series = []
     for family in families:
-        drawn = [(scene, p) for scene, several in points.items() for p in several if _is_drawn_with_family(p, family)]
+        drawn = [
+            (scene, p) for scene, several in points.items() for p in several if _has_drawable_error_of_family(p, family)
+        ]
         shown = [(scene, p, p.cold) for scene, p in drawn if p.cold is not None]
         series.append(
             Series(
                 family,
                 [cold for *_, cold in shown],
-                [max(error_by_gate(p).error, FLOOR) for _, p, _ in shown],
+                [max(gate_error_or_mesh_uncertainty(p).error, FLOOR) for _, p, _ in shown],
                 "markers",
-                light=True,
-                names=[f"{p.name}, {scene}" for scene, p, _ in shown],
+                pale=True,
+                point_names=[f"{p.name}, {scene}" for scene, p, _ in shown],
             )
         )
-    edge = pareto_front(found)
-    line = ([s.cold for s in edge if s.cold is not None], [max(s.gate.error, FLOOR) for s in edge])
-    series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
+    edge = pareto_optimal_models(accuracies)
+    line = (
+        [s.cold_start_seconds for s in edge if s.cold_start_seconds is not None],
+        [max(s.median_gate_error.error, FLOOR) for s in edge],
+    )
+    series.append(Series("Pareto front of the medians", *line, "line", point_names=[s.name for s in edge]))
     for family in families:
-        mids = [s for s in found if s.family == family]
-        bars = ([max(s.gate.low, FLOOR) for s in mids], [max(s.gate.high, FLOOR) for s in mids])
+        mids = [s for s in accuracies if s.family == family]
+        bars = ([max(s.median_gate_error.low, FLOOR) for s in mids], [max(s.median_gate_error.high, FLOOR) for s in mids])
         series.append(
             Series(
                 family,
-                [s.cold for s in mids if s.cold is not None],
-                [max(s.gate.error, FLOOR) for s in mids],
+                [s.cold_start_seconds for s in mids if s.cold_start_seconds is not None],
+                [max(s.median_gate_error.error, FLOOR) for s in mids],
                 "markers",
-                emphasis=True,
-                bars=bars,
-                texts=[s.name if all_names or s in edge or s.name in KINDS else "" for s in mids],
-                names=[f"{s.name}, median of {s.scenes} scenes" for s in mids],
+                bold=True,
+                error_bars=bars,
+                point_labels=[s.name if label_all_models or s in edge or s.name in KINDS else "" for s in mids],
+                point_names=[f"{s.name}, median of {s.scene_count} scenes" for s in mids],
             )
         )
     series = [s for s in series if len(s.x)]
     times = [p.cold for several in points.values() for p in several if p.cold is not None]
     if times:
         series.append(Series(f"the gate's {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
-    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
+    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log_axes="xy")
 
 
-def _is_drawn_with_family(point: TimePoint, family: str) -> bool:
+def _has_drawable_error_of_family(point: ErrorAndRunTime, family: str) -> bool:
     """Return whether a point of the error-over-time figure is drawn in the colour of a family of models.
 
     ``point``: error and run time of a model on a scene. It is drawn if the model belongs to ``family`` and converged, and
     if the error is above zero.
     """
-    return point.status == "converged" and error_or_uncertainty(point) > 0.0 and model_family(point) == family
+    return point.status == "converged" and largest_error_or_mesh_uncertainty(point) > 0.0 and model_family(point) == family
 
 
-def accuracy_sentence(
-    screws: Mapping[str, Array], gate: Mapping[str, Array], drawn: int, bars: Sequence[float], total: float | None = None
+def model_accuracy_sentences(
+    largest_errors: Mapping[str, Array],
+    gate_errors: Mapping[str, Array],
+    random_screw_count: int,
+    mesh_uncertainties: Sequence[float],
+    total_uncertainty: float | None = None,
 ) -> str:
     """Return the sentences on the models' load errors on all compared screws, and on the accuracy of the 3D reference.
 
     Parameters
     ----------
-    screws
+    largest_errors
         Largest error on each screw [% of the mean load], by model.
-    gate
+    gate_errors
         Largest error on each screw as ``rollbench check`` judges it [%], by model.
-    drawn
+    random_screw_count
         Number of randomly drawn screws among them.
-    bars
+    mesh_uncertainties
         Mesh uncertainty of the 3D reference for each scene [% of the mean load].
-    total
+    total_uncertainty
         Largest total uncertainty of the 3D reference [% of the mean load], modelling choices and input tolerances included.
     """
     largest = []
-    for model, errors in screws.items():
+    for model, errors in largest_errors.items():
         if errors.size:
             median, most = np.percentile(errors, [50, 95])
             largest.append(f"{median:.1f} and {most:.1f} % by {NAMES[model]}")
-    whole = "" if total is None else f", up to {total:.1f} % with modelling choices and input tolerances"
+    whole = (
+        ""
+        if total_uncertainty is None
+        else f", up to {total_uncertainty:.1f} % with modelling choices and input tolerances"
+    )
     return (
-        f"{screws_within_limit_text(gate)}. Median and 95th percentile of the largest error: {', '.join(largest)}, of the "
+        f"{screws_within_limit_text(gate_errors)}. Median and 95th percentile of the largest error: {', '.join(largest)}, "
+        "of the "
         "mean contact "
-        f"load; {drawn} of the screws were drawn at random. Grid uncertainty of the 3D reference: "
-        f"{_grid_uncertainty_range_text(bars)}{whole}."
+        f"load; {random_screw_count} of the screws were drawn at random. Grid uncertainty of the 3D reference: "
+        f"{_grid_uncertainty_range_text(mesh_uncertainties)}{whole}."
     )
 
 
-def screws_within_limit_text(errors: Mapping[str, Array]) -> str:
+def screws_within_limit_text(gate_errors: Mapping[str, Array]) -> str:
     """Return the clause on the number of screws on which each model's loads are within the limit of ``rollbench check``.
 
     Parameters
     ----------
-    errors
+    gate_errors
         Largest load error on each screw as ``rollbench check`` judges it [%], by model; if empty, the clause is empty.
     """
-    found = {NAMES[model]: of_model for model, of_model in errors.items() if of_model.size}
+    found = {NAMES[model]: of_model for model, of_model in gate_errors.items() if of_model.size}
     counts = [f"{name} on {(e <= LIMIT).sum()} of {e.size}" for name, e in found.items()]
     return (
         f"Every contact load is within {LIMIT:g} % of the 3D reference: by {', by '.join(counts)} screws" if counts else ""
     )
 
 
-def _grid_uncertainty_range_text(bars: Sequence[float]) -> str:
-    """Return as text the range of the mesh uncertainty [%]; ``bars``: the uncertainty of each scene."""
-    if not bars:
+def _grid_uncertainty_range_text(mesh_uncertainties: Sequence[float]) -> str:
+    """Return as text the range of the mesh uncertainty [%]; ``mesh_uncertainties``: the uncertainty of each scene."""
+    if not mesh_uncertainties:
         return "unknown (one mesh level only)"
-    low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
+    low, high = f"{min(mesh_uncertainties):.1f}", f"{max(mesh_uncertainties):.1f}"
     return f"{low} %" if low == high else f"{low} to {high} %"
 
 
-def random_screws_paragraph(drawn: int) -> str:
-    """Return the paragraph on the randomly drawn screws that were compared in 3D; ``drawn`` is their number."""
+def random_screws_paragraph(random_screw_count: int) -> str:
+    """Return the paragraph on the randomly drawn screws that were compared in 3D.
+
+    ``random_screw_count`` is their number.
+    """
     return (
-        f"{drawn} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with mesh level 1 of "
+        f"{random_screw_count} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with "
+        "mesh level 1 of "
         "the 3D reference (section survey). Finer mesh levels, run times and verdicts of rollbench check (the gate) are "
         "shown for the shipped scenes:"
     )
 
 
-def compared_scenes_paragraphs(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+def compared_scenes_paragraphs(scenes: Mapping[str, Scene], references: Mapping[str, Reference]) -> list[str]:
     """Return paragraphs on the compared scenes: their number, origin, and ranges of lead, diameter and number of balls.
 
     Parameters
     ----------
     scenes
         Scenes by name.
-    found
+    references
         3D reference of each scene.
     """
     if not scenes:
@@ -415,7 +446,7 @@ def compared_scenes_paragraphs(scenes: Mapping[str, Scene], found: Mapping[str, 
         return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
     cases, unseen = sum(name in REFERENCED for name in scenes), sum(name in UNSEEN for name in scenes)
-    contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
+    contacts = [int((ref.load > 0.0).sum()) for ref in references.values()]
     screws = [s for s in every if s.track.lead != 0.0]
     fixed = (
         f", and {unseen} screws and bearings that were chosen before any of them was solved in 3D. Two corrections of the "
@@ -449,51 +480,51 @@ LIMITS = (
 )
 
 
-def largest_error_figure(found: Sequence[ModelAccuracy]) -> Figure:
+def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
     """Draw the largest load error of each model and 3D mesh level: its median over the scenes as a bar, and its maximum.
 
-    ``found``: errors of each model and mesh level over the shipped scenes.
+    ``accuracies``: errors of each model and mesh level over the shipped scenes.
     """
-    rows = [float(k) for k in range(1, len(found) + 1)]
+    rows = [float(k) for k in range(1, len(accuracies) + 1)]
     series = (
-        Series("median over the scenes", [s.median for s in found], rows, "bars"),
-        Series("maximum over the scenes", [s.worst for s in found], rows, "markers"),
+        Series("median over the scenes", [s.median_error_percent for s in accuracies], rows, "bars"),
+        Series("maximum over the scenes", [s.largest_error_percent for s in accuracies], rows, "markers"),
     )
     panel = Panel(
         "",
         "largest error of a contact load / % of the mean load",
         "",
         series,
-        row_names=[f"{s.name}: {s.median:.2g} %" for s in found],
+        ordinate_names=[f"{s.name}: {s.median_error_percent:.2g} %" for s in accuracies],
     )
-    medians = {s.name: s.median for s in found}
+    medians = {s.name: s.median_error_percent for s in accuracies}
     title = ", ".join(f"{medians[model]:.2g} % by {NAMES[model]}" for model in KINDS if model in medians)
     caption = "Errors against the finest mesh level of the 3D reference. Bars: medians; markers: maxima."
-    size = (7.6, 1.2 + 0.26 * len(found))
+    size = (7.6, 1.2 + 0.26 * len(accuracies))
     title = f"Median over the shipped scenes of the largest contact-load error, of the mean load: {title}"
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
-def model_accuracy_table(found: Sequence[ModelAccuracy]) -> Table:
+def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
     """Return the table of load errors and run times of each model and 3D mesh level over the shipped scenes.
 
-    ``found``: errors and run times of each model and mesh level.
+    ``accuracies``: errors and run times of each model and mesh level.
     """
     rows: list[Row] = [
         {
             "name": s.name,
-            Quantity("label", "model or mesh", "", "s"): s.label,
-            "scenes": s.scenes,
-            Quantity("median", "largest error, median", "% of mean", ".2f"): s.median,
-            Quantity("worst", "largest error, maximum", "% of mean", ".2f"): s.worst,
-            Quantity("at", "scene of the maximum", "", "s"): s.worst_scene,
-            Quantity("rms", "RMS error, median", "% of mean", ".2f"): s.rms,
-            Quantity("worst_rms", "largest RMS error", "% of mean", ".2f"): s.worst_rms,
-            Quantity("gate", "largest error by the gate's rule, median", "%", ".2f"): s.gate.error,
-            Quantity("passed", f"scenes that pass the gate's {LIMIT:g} %", "", "s"): s.passed,
-            Quantity("cold", "cold start, median", "s", "g3"): s.cold,
+            TableColumn("label", "model or mesh", "", "s"): s.label,
+            "scenes": s.scene_count,
+            TableColumn("median", "largest error, median", "% of mean", ".2f"): s.median_error_percent,
+            TableColumn("worst", "largest error, maximum", "% of mean", ".2f"): s.largest_error_percent,
+            TableColumn("at", "scene of the maximum", "", "s"): s.scene_of_largest_error,
+            TableColumn("rms", "RMS error, median", "% of mean", ".2f"): s.median_rms_error_percent,
+            TableColumn("worst_rms", "largest RMS error", "% of mean", ".2f"): s.largest_rms_error_percent,
+            TableColumn("gate", "largest error by the gate's rule, median", "%", ".2f"): s.median_gate_error.error,
+            TableColumn("passed", f"scenes that pass the gate's {LIMIT:g} %", "", "s"): s.passed_scene_count,
+            TableColumn("cold", "cold start, median", "s", "g3"): s.cold_start_seconds,
         }
-        for s in found
+        for s in accuracies
     ]
     note = (
         "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
@@ -501,78 +532,86 @@ def model_accuracy_table(found: Sequence[ModelAccuracy]) -> Table:
         "limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
         "its RMS error is zero by definition."
     )
-    table = Table.of(
+    table = Table.from_rows(
         "overview-models", "Errors and run times of each model and 3D mesh level on the shipped scenes", rows, note
     )
     return replace(table, csv_only=("label", "rms", "worst_rms"))
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section with the report's summary: errors of the models, compared scenes, limits, main figures and tables.
 
     ``step`` is called with each line of progress.
     """
     step("error against run time, every model and mesh on every scene")
-    points = study.compute_once(points_of_all_scenes, step)
+    points = cache.compute_once(errors_and_times_of_all_scenes, step)
     title = "Contact-load errors of each model and 3D mesh level on the shipped scenes"
     if not points:
         return Section("overview", title, (Text(("No run of the 3D reference is stored.",)),))
-    found = study.references(tuple(points))
+    found = cache.stored_references(tuple(points))
     bars = [largest_uncertainty_percent(ref) for ref in found.values()]
-    compared = [*compared_points(study, study.compute_once(ladder)), *errors_on_drawn_screws()]
-    screws, drawn = largest_errors_on_screws(compared), len({p.scene for p in errors_on_drawn_screws()})
+    compared = [*compared_points(cache, cache.compute_once(ladder)), *model_errors_on_random_screws()]
+    screws, drawn = largest_load_errors_on_screws(compared), len({p.scene for p in model_errors_on_random_screws()})
     wide = error_distribution_and_time_figure(screws, points, "error-time", (11.0, 4.1))
-    narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), all_names=False)
+    narrow = error_distribution_and_time_figure(screws, points, "error-time-narrow", (3.75, 6.6), label_all_models=False)
     covered = [
         random_screws_paragraph(drawn),
-        *compared_scenes_paragraphs({name: study.scene(name) for name in points}, found),
+        *compared_scenes_paragraphs({name: cache.built_in_scene(name) for name in points}, found),
     ]
-    sentence = accuracy_sentence(
-        screws, gate_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(study, found)
+    sentence = model_accuracy_sentences(
+        screws, largest_gate_errors_on_screws(compared), drawn, bars, largest_total_uncertainty(cache, found)
     )
-    limits = (*LIMITS, measurement_conditions_sentence(study, step))
-    table = model_accuracy_table(errors_by_model(points))
+    limits = (*LIMITS, run_time_conditions_sentence(cache, step))
+    table = model_accuracy_table(summarise_accuracy_by_model(points))
     step("every model on every quantity")
     step("printed values by table and section")
     laid = [
         f
-        for f in evidence_of_all_tables(study)
+        for f in evidence_of_all_tables(cache)
         if (all_computations()[f.printed.table].case.folder / "layout.toml").is_file()
     ]
     items = (
-        quantity_error_table(study),
-        computed_over_reference_figure(study, found),
-        reproduced_counts_table(laid, "printed-values", unfolded=True),
+        error_table_of_all_quantities(cache),
+        computed_over_reference_load_figure(cache, found),
+        counts_of_reproduced_numbers_table(laid, "printed-values", unfolded=True),
     )
     summary = Summary(QUESTION, sentence, wide, narrow, covered, limits, table, items)
-    shown = (largest_error_figure(errors_by_model(points)), table, further_load_case_figure(points))
+    shown = (
+        largest_error_bar_chart(summarise_accuracy_by_model(points)),
+        table,
+        error_over_further_load_case_time_figure(points),
+    )
     return Section("overview", title, shown, conclusion=sentence, summary=summary)
 
 
-def largest_total_uncertainty(study: Study, found: Mapping[str, Reference]) -> float | None:
+def largest_total_uncertainty(cache: SceneResultCache, references: Mapping[str, Reference]) -> float | None:
     """Return the largest total uncertainty of the 3D contact loads in Lin's case studies [% of the mean load].
 
-    It combines the uncertainties by mesh, modelling choices and input tolerances. ``found``: 3D reference of each scene, by
-    name of the scene; if no case study is among them, None is returned.
+    It combines the uncertainties by mesh, modelling choices and input tolerances. ``references``: 3D reference of each
+    scene, by name of the scene; if no case study is among them, None is returned.
     """
-    totals = [uncertainty_of_loads(study.scene(name), ref).percent for name, ref in found.items() if name in REFERENCED]
+    totals = [
+        uncertainty_of_loads(cache.built_in_scene(name), ref).percent
+        for name, ref in references.items()
+        if name in REFERENCED
+    ]
     return max(totals, default=None)
 
 
-def quantity_error_table(study: Study) -> Table:
+def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
     """Return the table of bias, scatter and largest error of the models in each computed quantity.
 
     The errors are against the 3D reference and, in the last rows, against values that others have printed or measured.
     """
-    rungs = study.compute_once(ladder)
-    rows = validated_errors_of_models(study, rungs)
+    rungs = cache.compute_once(ladder)
+    rows = validated_errors_of_models(cache, rungs)
     from rollbench.compare.cases.makers.page import first_page
 
-    outside = first_page(study)
+    outside = first_page(cache)
     cells: list[Row] = []
     for model in KINDS:
         of_model = [r for r in rungs if r.model == model]
-        words = [gate_verdict_word(study, rung) for rung in of_model]
+        words = [gate_verdict_on_model(cache, rung) for rung in of_model]
         passed = words.count("pass")
         cells.append(
             {
@@ -580,9 +619,9 @@ def quantity_error_table(study: Study) -> Table:
                 "model": model,
                 BIAS: None,
                 SCATTER: None,
-                LARGEST: max(r.error.gate_percent for r in of_model),
+                LARGEST: max(r.load_error.gate_percent for r in of_model),
                 "scenes": len(of_model),
-                Quantity("passed", f"pass the gate's {LIMIT:g} %", "", "s"): f"{passed} of {len(of_model)}",
+                TableColumn("passed", f"pass the gate's {LIMIT:g} %", "", "s"): f"{passed} of {len(of_model)}",
                 "verdict": "yes" if passed == len(of_model) else "no",
             }
         )
@@ -597,51 +636,55 @@ def quantity_error_table(study: Study) -> Table:
     columns = {q.label: q for q in (BIAS, SCATTER)}
     for quantity, row in outside.items():
         known: Row = {
-            columns.get(column.label, Quantity("values", "values of others", "", "s")): v for column, v in row.items()
+            columns.get(column.label, TableColumn("values", "values of others", "", "s")): v for column, v in row.items()
         }
         cells.append({"quantity": quantity, "model": "against values of others", **known})
     note = (
         f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest mesh level of the 3D "
         "reference of each scene. Last rows: errors against values that others have printed or measured (section outside)."
     )
-    return Table.of("quantities", "Bias, scatter and largest error of each model in each computed quantity", cells, note)
+    return Table.from_rows(
+        "quantities", "Bias, scatter and largest error of each model in each computed quantity", cells, note
+    )
 
 
-def gate_verdict_word(study: Study, rung: Rung) -> str:
+def gate_verdict_on_model(cache: SceneResultCache, model_solution: RefinementStepResult) -> str:
     """Return the verdict "pass", "fail" or "undecided" of ``rollbench check`` on a model's contact loads on a scene.
 
-    ``rung``: solution of the scene by the model. The error limit is the default.
+    ``model_solution``: solution of the scene by the model. The error limit is the default.
     """
-    reference = study.reference(rung.scene)
+    reference = cache.stored_reference(model_solution.scene)
     assert reference is not None  # a rung stands against one
-    return judge_contact_loads(rung.model, rung.result.load, reference, Limits())[0].word
+    return judge_contact_loads(model_solution.model, model_solution.result.load, reference, ErrorLimits())[0].word
 
 
-def computed_over_reference_figure(study: Study, found: Mapping[str, Reference]) -> Figure:
+def computed_over_reference_load_figure(cache: SceneResultCache, references: Mapping[str, Reference]) -> Figure:
     """Draw, for every contact, the load by a low-order model over the load by the 3D reference.
 
-    Both are divided by the mean load. ``found``: 3D reference of each scene, by name of the scene.
+    Both are divided by the mean load. ``references``: 3D reference of each scene, by name of the scene.
     """
     series = []
     for model in KINDS:
         x, y, names = [], [], []
-        for rung in study.compute_once(ladder):
-            if rung.model == model and rung.scene in found:
-                ref = found[rung.scene]
+        for rung in cache.compute_once(ladder):
+            if rung.model == model and rung.scene in references:
+                ref = references[rung.scene]
                 value, truth = rung.result.load / ref.mean, ref.load / ref.mean
                 at = np.argwhere((value > 0.0) | (truth > 0.0))
                 x += [float(truth[i, s]) for i, s in at]
                 y += [float(value[i, s]) for i, s in at]
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
-        series.append(Series(model, x, y, "markers", names=names))
+        series.append(Series(model, x, y, "markers", point_names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
     truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
-    allowed = 0.01 * LIMIT * scale_of_gate_errors(truths, 1.0)
+    allowed = 0.01 * LIMIT * load_scale_of_check_errors(truths, 1.0)
     lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
     series.append(Series("equal loads", [0.0, end], [0.0, end], "line"))
     series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
-    caption = f"{len(series[0].x)} contacts of {len(found)} scenes. Outer lines: {LIMIT:g} %, the limit of rollbench check."
+    caption = (
+        f"{len(series[0].x)} contacts of {len(references)} scenes. Outer lines: {LIMIT:g} %, the limit of rollbench check."
+    )
     return Figure(
         "contacts",
         "Load of each contact by the low-order models over its load by the 3D reference",

@@ -16,9 +16,9 @@ import numpy as np
 
 from rollbench.compare.case import all_cases
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.reference.computing import compute_runs
-from rollbench.compare.reference.store import load_run
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.computing import compute_reference_runs
+from rollbench.compare.reference.store import load_stored_run
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.running import gmsh_fault, usable_cores
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.libraries import MESHING, PICTURES, apt_command
@@ -64,37 +64,37 @@ class ReportPart:
     #: Name for the option ``--only``.
     name: str
     #: Name of the page on which the part is shown.
-    page: str
+    page_name: str
     #: Module in ``package`` that makes the part, as ``module:function`` if the function is not ``make_section``.
-    module: str
+    maker: str
     #: Whether the part is included in a quick report.
-    quick: bool = False
+    in_quick_report: bool = False
     #: Whether the part shows results of runs of the 3D reference.
-    runs: bool = False
+    shows_3d_runs: bool = False
     #: Whether the whole part needs gmsh.
-    meshes: bool = False
+    needs_gmsh: bool = False
     #: Description of the contents that need gmsh, if the rest of the part does not; empty: none.
-    meshed: str = ""
+    contents_needing_gmsh: str = ""
     #: Package in which ``module`` is looked up.
     package: str = "rollbench.compare"
 
 
 #: Parts of the report whose page is chosen in this module.
 PLACED = (
-    ReportPart("how-to-read", "reading", "sections.how_to_read", quick=True, runs=True),
-    ReportPart("sheets", "cases", "sections.sheets", quick=True, runs=True),
-    ReportPart("reference", "cases", "sections.reference", quick=True, runs=True, meshes=True),
+    ReportPart("how-to-read", "reading", "sections.how_to_read", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("sheets", "cases", "sections.sheets", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("reference", "cases", "sections.reference", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
     ReportPart("lin", "lin", "cases.lin.pages.tables"),
-    ReportPart("cases", "lin", "cases.lin.pages.chapter_2:cases_section", quick=True, runs=True),
-    ReportPart("reconstruction", "lin", "cases.lin.pages.reconstruction", runs=True),
-    ReportPart("overview", "accuracy", "report.overview", quick=True, runs=True),
-    ReportPart("survey", "accuracy", "report.stability:survey_section", quick=True),
-    ReportPart("ladder", "accuracy", "sections.ladder", quick=True, runs=True, meshes=True),
-    ReportPart("u-val", "accuracy", "sections.u_val", quick=True, runs=True, meshes=True),
-    ReportPart("reference-mesh", "reference", "sections.reference_mesh", quick=True, runs=True),
-    ReportPart("pictures", "reference", "sections.pictures", meshes=True),
-    ReportPart("verification", "reference", "sections.verification", meshes=True),
-    ReportPart("crosscheck", "reference", "sections.verification:crosscheck_section", runs=True, meshes=True),
+    ReportPart("cases", "lin", "cases.lin.pages.chapter_2:cases_section", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("reconstruction", "lin", "cases.lin.pages.reconstruction", shows_3d_runs=True),
+    ReportPart("overview", "accuracy", "report.overview", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("survey", "accuracy", "report.stability:survey_section", in_quick_report=True),
+    ReportPart("ladder", "accuracy", "sections.ladder", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
+    ReportPart("u-val", "accuracy", "sections.u_val", in_quick_report=True, shows_3d_runs=True, needs_gmsh=True),
+    ReportPart("reference-mesh", "reference", "sections.reference_mesh", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("pictures", "reference", "sections.pictures", needs_gmsh=True),
+    ReportPart("verification", "reference", "sections.verification", needs_gmsh=True),
+    ReportPart("crosscheck", "reference", "sections.verification:crosscheck_section", shows_3d_runs=True, needs_gmsh=True),
     ReportPart("hertz", "lin", "cases.lin.pages.chapter_2:hertz_section"),
     ReportPart("stability", "robustness", "report.stability"),
     ReportPart("formulations", "lin", "cases.lin.pages.chapter_2:formulations_section"),
@@ -104,46 +104,51 @@ PLACED = (
     ReportPart("friction", "lin", "cases.lin.pages.friction"),
     ReportPart("steering", "lin", "cases.lin.pages.steering"),
     ReportPart("friction-screw", "lin", "cases.lin.pages.friction:screw_section"),
-    ReportPart("rolling", "kalker", "cases.kalker.page", meshed="no motion against the static reference, sizes of bodies"),
+    ReportPart(
+        "rolling",
+        "kalker",
+        "cases.kalker.page",
+        contents_needing_gmsh="no motion against the static reference, sizes of bodies",
+    ),
     ReportPart("smith", "smith", "cases.smith.page"),
     ReportPart("liu", "liu", "cases.liu.page"),
     ReportPart("outside", "makers", "cases.makers.page"),
-    ReportPart("external", "external", "cases.external.page", runs=True),
-    ReportPart("holding", "external", "cases.external.page:fixation_section", runs=True),
-    ReportPart("fit", "trust", "sections.fit", quick=True),
-    ReportPart("notes", "trust", "sections.how_to_read:notes_section", quick=True, runs=True),
-    ReportPart("verdicts", "entries", "sections.verdicts", runs=True),
-    ReportPart("audit", "entries", "sections.verdicts:audit_section", runs=True),
+    ReportPart("external", "external", "cases.external.page", shows_3d_runs=True),
+    ReportPart("holding", "external", "cases.external.page:fixation_section", shows_3d_runs=True),
+    ReportPart("fit", "trust", "sections.fit", in_quick_report=True),
+    ReportPart("notes", "trust", "sections.how_to_read:notes_section", in_quick_report=True, shows_3d_runs=True),
+    ReportPart("verdicts", "entries", "sections.verdicts", shows_3d_runs=True),
+    ReportPart("audit", "entries", "sections.verdicts:audit_section", shows_3d_runs=True),
 )
 
 
-def _all_report_parts() -> tuple[ReportPart, ...]:
+def _report_parts_in_page_order() -> tuple[ReportPart, ...]:
     """Return all parts of the report in the order of its pages.
 
     These are the parts in `PLACED`, and a part for each publication whose page is not among theirs.
     """
-    placed = {part.page for part in PLACED}
+    placed = {part.page_name for part in PLACED}
     cases = (case for case in all_cases() if case.page and case.name not in placed)
     added = [ReportPart(case.name, case.name, case.page, package=case.package) for case in cases]
-    return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page)))
+    return tuple(sorted((*PLACED, *added), key=lambda part: list(PAGES).index(part.page_name)))
 
 
 #: All parts of the report, in the order of the pages.
-SECTIONS = _all_report_parts()
+SECTIONS = _report_parts_in_page_order()
 
 
-def arrange_pages(by_name: Mapping[str, Sequence[Section]]) -> list[Page]:
+def arrange_sections_on_pages(sections_by_part: Mapping[str, Sequence[Section]]) -> list[Page]:
     """Return the pages of the report in their order, each with its sections; pages without a section are left out.
 
     Parameters
     ----------
-    by_name
+    sections_by_part
         Sections of each part of the report, by the part's name.
     """
     by_page: dict[str, list[Section]] = {}
     for part in SECTIONS:
-        if part.name in by_name:
-            by_page.setdefault(part.page, []).extend(by_name[part.name])
+        if part.name in sections_by_part:
+            by_page.setdefault(part.page_name, []).extend(sections_by_part[part.name])
     return [
         Page(name, PAGES[name] or group[0].title, group, page_summary_sentence(group)) for name, group in by_page.items()
     ]
@@ -185,17 +190,17 @@ class OmittedParts:
     #: Names of the parts or pictures that are left out.
     names: tuple[str, ...]
     #: Reason for which they are left out.
-    why: str
+    reason: str
     #: Command that adds them.
-    remedy: str
+    command_to_add: str
 
     def __str__(self) -> str:
         """Return names, reason and command as one line."""
-        return f"{', '.join(self.names)}: {self.why}; {self.remedy}"
+        return f"{', '.join(self.names)}: {self.reason}; {self.command_to_add}"
 
 
-def split_makeable_parts(
-    parts: Sequence[ReportPart], *, named: bool, everything: bool
+def split_into_made_and_omitted_parts(
+    parts: Sequence[ReportPart], *, named_by_user: bool, with_costly_parts: bool
 ) -> tuple[list[ReportPart], list[OmittedParts]]:
     """Split requested parts of the report into those that can be made and those that are left out; return both.
 
@@ -206,26 +211,28 @@ def split_makeable_parts(
     ----------
     parts
         Requested parts.
-    named
+    named_by_user
         Whether the user named these parts.
-    everything
+    with_costly_parts
         Whether the user requests the parts that take long.
     """
     left: list[OmittedParts] = []
-    out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
+    out = {part.name for part in parts if part.name in COSTLY} if not (named_by_user or with_costly_parts) else set()
     if out:
         names = tuple(part.name for part in parts if part.name in out)
         left.append(OmittedParts(names, "they take most of the time", "to include them: rollbench report --all"))
-    meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
+    meshing = [part for part in parts if (part.needs_gmsh or part.contents_needing_gmsh) and part.name not in out]
     fault = gmsh_fault() if meshing else ""
     if fault:
-        names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
+        names = tuple(
+            f"{part.name} ({part.contents_needing_gmsh})" if part.contents_needing_gmsh else part.name for part in meshing
+        )
         left.append(OmittedParts(names, f"gmsh cannot be loaded ({fault})", apt_command(MESHING, PICTURES)))
-        out |= {part.name for part in meshing if part.meshes}
+        out |= {part.name for part in meshing if part.needs_gmsh}
     return [part for part in parts if part.name not in out], left
 
 
-def omitted_pictures(sections: Iterable[Section]) -> list[OmittedParts]:
+def omitted_picture_entries(sections: Iterable[Section]) -> list[OmittedParts]:
     """Return a list with an entry on the report's 3D pictures if this machine cannot draw them; else an empty list.
 
     ``sections``: sections of the report, which may contain 3D pictures.
@@ -245,23 +252,23 @@ class RecomputedRunCheck:
     #: Name of the scene.
     scene: str
     #: Mesh level.
-    level: int
+    mesh_level: int
     #: Largest difference of a contact load between the two runs [% of the mean load].
-    percent: float
+    largest_load_difference_percent: float
     #: Time of the recomputation [s].
-    seconds: float
+    computing_seconds: float
 
     @property
-    def agrees(self) -> bool:
+    def agrees_with_shipped_run(self) -> bool:
         """Whether the recomputed run differs from the shipped one by round-off only."""
-        return self.percent <= AGREES
+        return self.largest_load_difference_percent <= AGREES
 
     def __str__(self) -> str:
         """Return scene, mesh level, time and largest difference of the recomputed run as a sentence."""
-        verdict = "agrees" if self.agrees else "DOES NOT AGREE"
+        verdict = "agrees" if self.agrees_with_shipped_run else "DOES NOT AGREE"
         return (
-            f"{self.scene}, level {self.level}, recomputed in {self.seconds:.0f} s, {verdict} with the "
-            f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
+            f"{self.scene}, level {self.mesh_level}, recomputed in {self.computing_seconds:.0f} s, {verdict} with the "
+            f"shipped run: contact loads differ by up to {self.largest_load_difference_percent:.1g} % of the mean load"
         )
 
 
@@ -272,11 +279,11 @@ def recompute_shipped_run(stores: Sequence[Path] | None, step: Callable[[str], N
     line of progress. Returns None if the run is not stored.
     """
     scene = catalogue.scene(CHECKED)
-    stored = load_run(scene, LEVEL, stores=stores)
+    stored = load_stored_run(scene, LEVEL, stores=stores)
     if stored is None:
         return None
     start = perf_counter()
-    (run,) = compute_runs(Task((scene,), LEVEL, processes=usable_cores()), step)
+    (run,) = compute_reference_runs(ReferenceTask((scene,), LEVEL, processes=usable_cores()), step)
     mean = mean_load(stored.load)
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
     return RecomputedRunCheck(CHECKED, LEVEL, percent, perf_counter() - start)

@@ -17,14 +17,14 @@ from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.reports.cells import replace_um_by_micrometre
-from rollbench.reports.content import Figure, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Figure, Row, Section, Table, TableColumn, Text
 from rollbench.reports.manifest import sha256
 
 #: Libraries whose versions a page states.
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
-def scene_text(name: str) -> str:
+def scene_file_text(name: str) -> str:
     """Return the TOML text of a scene; ``name`` is the name of a shipped scene, or the path of a scene file."""
     return catalogue.shipped_scene_text(name) if name in catalogue.scene_names() else scene_file.read_scene_text(name)
 
@@ -61,19 +61,19 @@ def results_table(rows: Sequence[AnswerRow], title: str, note: str = "") -> Tabl
     """
     kept = [(k, head) for k, head in enumerate(HEADINGS) if any(row[k] for row in rows)]
     forms = {"value": "g4", "error to expect": "g4"}
-    quantities = [Quantity(head, head, "", forms.get(head, "s")) for _, head in kept]
+    quantities = [TableColumn(head, head, "", forms.get(head, "s")) for _, head in kept]
     cells: Iterator[Row] = (
         {q: replace_um_by_micrometre(row[k]) for (k, _), q in zip(kept, quantities, strict=True)} for row in rows
     )
-    return Table.of("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
+    return Table.from_rows("answers", title, cells, f"{note[:1].upper()}{note[1:]}", unfolded=True)
 
 
-def source_code_hash() -> dict[str, str]:
+def source_code_hash_by_name() -> dict[str, str]:
     """Return a dictionary with the SHA-256 of the program's source code, under the key that pages use for it."""
     return {SOURCES: sources_hash()}
 
 
-def page_provenance(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
+def page_origin_facts(name: str, scene: Scene | Assembly, text: str, model: str) -> dict[str, str]:
     """Return what a page states about its origin: scene with its hash, versions, date and model, each by its label.
 
     Parameters

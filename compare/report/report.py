@@ -17,22 +17,22 @@ from rollbench.compare.case import all_cases
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.files import check_writable
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.provenance import hashes_of_report_inputs, source_commit
-from rollbench.compare.reference.jobs import Engine
-from rollbench.compare.reference.parallel import as_done
+from rollbench.compare.reference.jobs import ComputingSettings
+from rollbench.compare.reference.parallel import run_jobs
 from rollbench.compare.report.pages import (
     COMPILED,
     GATHERING,
     SECTIONS,
     ReportPart,
-    arrange_pages,
-    omitted_pictures,
+    arrange_sections_on_pages,
+    omitted_picture_entries,
     recompute_shipped_run,
-    split_makeable_parts,
+    split_into_made_and_omitted_parts,
 )
-from rollbench.compare.report.scene_page import folder_errors_as_input_errors
-from rollbench.compare.report.verify import read_tables, report_differences
+from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors
+from rollbench.compare.report.verify import read_report_tables, report_differences
 from rollbench.compare.results.base import JSON
 from rollbench.compare.results.data import Written
 from rollbench.compare.running import (
@@ -53,7 +53,7 @@ from rollbench.reports.content import Report, Section
 Step = Callable[[str], None]
 
 
-def report_provenance() -> dict[str, str]:
+def report_origin_facts() -> dict[str, str]:
     """Return what the report states about its origin, by label: versions, date, machine, and publications compared."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "pymetis", "matplotlib", "pyvista")
     return {
@@ -67,28 +67,28 @@ def report_provenance() -> dict[str, str]:
     }
 
 
-class Progress:
+class ReportProgressPrinter:
     """Printer of progress lines while a report is made: number and name of each section, its steps, the elapsed time."""
 
-    def __init__(self, total: int, say: Step) -> None:
+    def __init__(self, section_count: int, say: Step) -> None:
         """Start the clock and the count of sections.
 
-        ``total``: number of sections to be made. ``say``: function that prints a line.
+        ``section_count``: number of sections to be made. ``say``: function that prints a line.
         """
-        self.total, self.count, self.say = total, 0, say
+        self.total, self.count, self.say = section_count, 0, say
         self.start = perf_counter()
 
-    def section(self, name: str) -> None:
+    def begin_section(self, name: str) -> None:
         """Count one section more, and print its name with its number and the elapsed time."""
         self.count += 1
         self.say(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)")
 
-    def step(self, text: str) -> None:
+    def print_step(self, text: str) -> None:
         """Print an indented line on a step of the section that is being made."""
         self.say(f"      {text}")
 
 
-def compute_missing_references(study: Study, engine: Engine, step: Step, *, fresh: bool = False) -> None:
+def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, step: Step, *, fresh: bool = False) -> None:
     """Compute those runs of the 3D reference that the report needs and that are not stored yet.
 
     They are written to the study's first folder of stored runs; without such a folder, nothing is done. ``engine``: engine
@@ -97,7 +97,7 @@ def compute_missing_references(study: Study, engine: Engine, step: Step, *, fres
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
     from rollbench.compare.reference.jobs import (
-        ensure,
+        ensure_runs_are_stored,
         expected_cost,
         modelling_variant_names,
         plan_tasks,
@@ -105,53 +105,60 @@ def compute_missing_references(study: Study, engine: Engine, step: Step, *, fres
     )
     from rollbench.compare.reference.levels import LEVELS, STUDIED
 
-    if study.stores is None:
+    if cache.reference_folders is None:
         return
-    from rollbench.compare.cases.liu.page import scenes_to_solve_again_in_3d as liu_references
+    from rollbench.compare.cases.liu.page import scenes_and_levels_to_solve_again_in_3d as liu_references
     from rollbench.compare.models.modelling import DEEP, UNSEEN
     from rollbench.compare.studies.crosscheck.study import scenes_and_levels_for_report as checked_references
 
-    scenes = [study.scene(name) for name in REFERENCED]
-    if study.quick:
+    scenes = [cache.built_in_scene(name) for name in REFERENCED]
+    if cache.quick:
         tasks = plan_tasks(scenes[:2], (min(LEVELS),))
     else:
-        tasks = plan_tasks(scenes, STUDIED, source=True, ablate=True)
+        tasks = plan_tasks(scenes, STUDIED, with_source_mesh=True, leave_out_each_part=True)
         for name in VARIED:
             tasks += plan_tasks(
-                [study.scene(name)],
+                [cache.built_in_scene(name)],
                 (),
                 (*modelling_variant_names(), *(refinement_variant_names() if name == REFINED else ())),
             )
-        tasks += plan_tasks([study.scene(name) for name in UNSEEN], STUDIED)
+        tasks += plan_tasks([cache.built_in_scene(name) for name in UNSEEN], STUDIED)
         for names, levels in (*checked_references(fresh), *liu_references(fresh)):
-            tasks += plan_tasks([study.scene(name) for name in names], levels)
-        tasks += plan_tasks([study.scene(name) for name in DEEP], (max(LEVELS),))
+            tasks += plan_tasks([cache.built_in_scene(name) for name in names], levels)
+        tasks += plan_tasks([cache.built_in_scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -expected_cost(task).seconds)
-    ensure(tasks, study.stores[0], engine, step, study.stores[1:], fresh=fresh)
-    if not study.quick:
-        save_uncertainty_experience(study.stores)
+    ensure_runs_are_stored(
+        tasks, cache.reference_folders[0], engine, step, cache.reference_folders[1:], compute_again=fresh
+    )
+    if not cache.quick:
+        save_uncertainty_parameters(cache.reference_folders)
 
 
-def save_uncertainty_experience(stores: Sequence[Path]) -> None:
+def save_uncertainty_parameters(stores: Sequence[Path]) -> None:
     """Store the two contributions to the uncertainty of the 3D reference that are estimated from all compared scenes.
 
     One is the part of the mesh uncertainty that the mesh levels of a single scene do not show; the other is due to
     modelling choices. ``stores``: folders of 3D runs, to the first of which both are written.
     """
     from rollbench.compare.models import uncertainty
-    from rollbench.compare.models.modelling import VARIED, combine_effects, effects_of_variants
-    from rollbench.compare.models.study import Study
+    from rollbench.compare.models.modelling import VARIED, combined_modelling_uncertainty, effects_of_changed_choices
+    from rollbench.compare.models.study import SceneResultCache
     from rollbench.compare.reference import estimate
-    from rollbench.compare.sections.u_val import uncertainty_parameters
+    from rollbench.compare.sections.u_val import mesh_uncertainty_parameters
 
-    study = Study(stores)
-    known = uncertainty_parameters(study)
+    study = SceneResultCache(stores)
+    known = mesh_uncertainty_parameters(study)
     if known is not None:
-        estimate.save_experience(stores[0], known)
-    modelling = [combine_effects(study.scene(name), effects_of_variants(study.scene(name), stores)) for name in VARIED]
+        estimate.save_uncertainty_of_other_scenes(stores[0], known)
+    modelling = [
+        combined_modelling_uncertainty(
+            study.built_in_scene(name), effects_of_changed_choices(study.built_in_scene(name), stores)
+        )
+        for name in VARIED
+    ]
     if all(modelling):
         uncertainty.save_choice_effects(
-            stores[0], {m.scene: uncertainty.choice_effects_record(m) for m in modelling if m is not None}
+            stores[0], {m.scene: uncertainty.largest_choice_effects(m) for m in modelling if m is not None}
         )
 
 
@@ -163,54 +170,54 @@ def select_report_parts(only: Sequence[str], *, quick: bool = False) -> list[Rep
     for name in only:
         if name not in (names := [part.name for part in SECTIONS]):
             raise ArgumentError("only", f'"{name}"', ", ".join(names), "choose names of sections from this list")
-    return [part for part in SECTIONS if (part.name in only if only else part.quick or not quick)]
+    return [part for part in SECTIONS if (part.name in only if only else part.in_quick_report or not quick)]
 
 
-def parts_of_case_page(name: str) -> list[ReportPart]:
+def report_parts_of_publication(case_name: str) -> list[ReportPart]:
     """Return the parts of the report that make up its page on one publication.
 
-    ``name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
+    ``case_name``: name of the publication's case, such as "lin". Raises InputError if it has no page.
     """
     with_page = [case.name for case in all_cases() if case.page]
-    if name not in with_page:
-        raise ArgumentError("source", f'"{name}"', ", ".join(with_page), "choose a publication that has a page")
-    return [part for part in SECTIONS if part.page == name]
+    if case_name not in with_page:
+        raise ArgumentError("source", f'"{case_name}"', ", ".join(with_page), "choose a publication that has a page")
+    return [part for part in SECTIONS if part.page_name == case_name]
 
 
-def save_model_errors(study: Study) -> None:
+def save_model_errors(cache: SceneResultCache) -> None:
     """Store the models' errors against the 3D reference, from which ``rollbench solve`` estimates its expected errors.
 
-    ``study``: has the errors, and the folders of stored runs, to the first of which they are written.
+    ``cache``: has the errors, and the folders of stored runs, to the first of which they are written.
     """
-    from rollbench.compare.models.applicability import save_descriptors
+    from rollbench.compare.models.applicability import save_descriptors_of_built_in_scenes
     from rollbench.compare.models.model_form import save_model_errors
-    from rollbench.compare.models.modelling import ladder, model_errors_on_shipped_scenes
+    from rollbench.compare.models.modelling import ladder, model_errors_on_built_in_scenes
 
-    rungs = study.compute_once(ladder)
-    if rungs and study.stores:
-        save_model_errors(study.stores[0], model_errors_on_shipped_scenes(study, rungs))
-        save_descriptors(study.stores[0])
+    rungs = cache.compute_once(ladder)
+    if rungs and cache.reference_folders:
+        save_model_errors(cache.reference_folders[0], model_errors_on_built_in_scenes(cache, rungs))
+        save_descriptors_of_built_in_scenes(cache.reference_folders[0])
 
 
-def _make_sections_of_part(part: ReportPart, step: Step, study: Study) -> Sequence[Section]:
+def _make_sections_of_part(part: ReportPart, step: Step, cache: SceneResultCache) -> Sequence[Section]:
     """Make the sections of one part of the report; for the part "ladder", also store the errors of the models.
 
     ``part``: the part, which names the module that makes it. ``step`` is called with each line of progress.
     """
-    path, _, function = part.module.partition(":")
+    path, _, function = part.maker.partition(":")
     module = import_module(f"{part.package}.{path}")
     usual = (
         "make_section" if hasattr(module, "make_section") else "section"
     )  # the latter: cases of other packages before 0.15
-    made = getattr(module, function or usual)(study, step)
+    made = getattr(module, function or usual)(cache, step)
     if part.name == "ladder":
-        save_model_errors(study)
+        save_model_errors(cache)
     return (made,) if isinstance(made, Section) else tuple(made)
 
 
-def _make_in_worker(
-    parts: Sequence[ReportPart], tables: Sequence[str], given: tuple[Any, ...], say: Step, *, keeping: bool
-) -> tuple[dict[str, Sequence[Section]], Study]:
+def _make_parts_in_worker(
+    parts: Sequence[ReportPart], tables: Sequence[str], study_arguments: tuple[Any, ...], print_line: Step, *, keeping: bool
+) -> tuple[dict[str, Sequence[Section]], SceneResultCache]:
     """Make parts of the report in a worker process.
 
     Parameters
@@ -219,9 +226,9 @@ def _make_in_worker(
         Parts of the report to make.
     tables
         Names of tables of printed numbers; the computed values of these numbers are added to the returned study.
-    given
+    study_arguments
         Arguments with which the process makes its `Study`.
-    say
+    print_line
         Called with each line of progress.
     keeping
         Whether compliances of bodies are stored on disk, as on the command line.
@@ -233,23 +240,25 @@ def _make_in_worker(
     """
     if keeping:
         cache.switch_on_geometry_cache()
-    study, progress, made = Study(*given), Progress(len(parts), say), {}
+    study, progress, made = SceneResultCache(*study_arguments), ReportProgressPrinter(len(parts), print_line), {}
     for part in parts:
-        progress.section(part.name)
-        made[part.name] = _make_sections_of_part(part, progress.step, study)
+        progress.begin_section(part.name)
+        made[part.name] = _make_sections_of_part(part, progress.print_step, study)
     if tables:
         evidence(study, *tables)
-    return made, Study(scenes=study.scenes, others=study.others, evidence=study.evidence)
+    return made, SceneResultCache(
+        scenes=study.scenes, other_scenes=study.other_scenes, evidence_by_table=study.evidence_by_table
+    )
 
 
 def make_sections(
     parts: Sequence[ReportPart],
-    announce: Step,
+    show_part_name: Step,
     step: Step,
-    study: Study,
+    study: SceneResultCache,
     *,
-    workers: int = 1,
-    say: Step = show_progress_message,
+    process_count: int = 1,
+    show_worker_progress: Step = show_progress_message,
 ) -> dict[str, Sequence[Section]]:
     """Make the sections of the report's parts, in one process or in two.
 
@@ -260,15 +269,15 @@ def make_sections(
     ----------
     parts
         Parts of the report to make.
-    announce
+    show_part_name
         Called with the name of each part: before it is made, or when its process has finished.
     step
         Called with each message on progress within a part.
     study
         Study that gives scenes and solutions; scenes and evidence used in other processes are added to it.
-    workers
+    process_count
         Number of processes; values above 2 count as 2.
-    say
+    show_worker_progress
         Called with each line of progress of the other processes.
 
     Returns
@@ -277,26 +286,31 @@ def make_sections(
         Sections of each part of the report, by the part's name.
     """
     sections: dict[str, Sequence[Section]] = {}
-    if workers > 1:
+    if process_count > 1:
         last = [part for part in parts if part.name in GATHERING]
         gathered = [(name, one.case.name) for name, one in computations_with_function().items()] if last else []
-        given = (study.stores, None, study.quick, study.timed, study.cache)
+        given = (study.reference_folders, None, study.quick, study.measures_run_times, study.mesh_cache)
         jobs = []
         for compiled in (True, False):
-            half = [part for part in parts if part not in last and (part.page in COMPILED) == compiled]
+            half = [part for part in parts if part not in last and (part.page_name in COMPILED) == compiled]
             tables = [name for name, case in gathered if (case in COMPILED) == compiled]
             if half or tables:
-                jobs.append((partial(_make_in_worker, keeping=cache.is_geometry_cache_on()), (half, tables, given, say)))
-        for _, (made, used) in as_done(jobs, workers=2):
+                jobs.append(
+                    (
+                        partial(_make_parts_in_worker, keeping=cache.is_geometry_cache_on()),
+                        (half, tables, given, show_worker_progress),
+                    )
+                )
+        for _, (made, used) in run_jobs(jobs, workers=2):
             for name in made:
-                announce(name)
+                show_part_name(name)
             sections |= made
             study.scenes |= used.scenes
-            study.others |= used.others
-            study.evidence |= used.evidence
+            study.other_scenes |= used.others
+            study.evidence_by_table |= used.evidence
         parts = last
     for part in parts:
-        announce(part.name)
+        show_part_name(part.name)
         sections[part.name] = _make_sections_of_part(part, step, study)
     return sections
 
@@ -308,7 +322,7 @@ def write_validation_report(
     quick: bool = False,
     stored: bool = False,
     store: Path = Path("rollbench-reference"),
-    engine: Engine | None = None,
+    engine: ComputingSettings | None = None,
     fresh: bool = False,
     everything: bool = False,
     against: Path | None = None,
@@ -356,70 +370,78 @@ def write_validation_report(
         For an unknown section or a folder that cannot be used.
     """
     check_packages(*PAGES, "scikit-fem")
-    before = None if against is None else read_tables(against)
+    before = None if against is None else read_report_tables(against)
     for name, value in {"only": only, "quick": quick, "fresh": fresh}.items():
         if source and value:
             raise ArgumentError(name, str(value), "only without `source`", "leave one of them out")
-    wanted, stored = (parts_of_case_page(source), True) if source else (select_report_parts(only, quick=quick), stored)
+    wanted, stored = (
+        (report_parts_of_publication(source), True) if source else (select_report_parts(only, quick=quick), stored)
+    )
     if fresh and stored:
         raise ArgumentError("fresh", "both fresh and stored", "only one of them", "leave `stored` out to compute runs anew")
     from rollbench.reports.pages import write_report
 
-    with folder_errors_as_input_errors(out):
+    with raise_folder_errors_as_input_errors(out):
         check_writable(out / "index.html")
-    wanted, missed = split_makeable_parts(wanted, named=bool(only), everything=everything or fresh)
+    wanted, missed = split_into_made_and_omitted_parts(
+        wanted, named_by_user=bool(only), with_costly_parts=everything or fresh
+    )
     meshing = not gmsh_fault()
     from rollbench.compare.reference.store import shipped_store
 
     stores = (store,) if fresh or quick else (store, shipped_store())
-    facts = report_provenance()  # before anything is written
-    engine = engine or Engine()
-    runs = any(part.runs for part in wanted)
+    facts = report_origin_facts()  # before anything is written
+    engine = engine or ComputingSettings()
+    runs = any(part.shows_3d_runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
-    study = Study(None if stored else stores, quick=quick, timed=fresh, cache=engine.cache)
-    progress = Progress(len(wanted) + runs + checking + 1, say)
+    study = SceneResultCache(
+        None if stored else stores, quick=quick, measures_run_times=fresh, mesh_cache=engine.cache_folder
+    )
+    progress = ReportProgressPrinter(len(wanted) + runs + checking + 1, say)
     start = perf_counter()
     if runs:
-        progress.section("runs of the 3D reference")
+        progress.begin_section("runs of the 3D reference")
         if meshing:
-            compute_missing_references(study, engine, progress.step, fresh=fresh)
+            compute_missing_3d_runs(study, engine, progress.print_step, fresh=fresh)
     checked = None
     if checking:
-        progress.section("one shipped run recomputed")
-        checked = recompute_shipped_run((shipped_store(),), progress.step)
-    workers = min(engine.workers or 1, usable_cores()) if engine.backend == "joblib" else 1
-    sections = make_sections(wanted, progress.section, progress.step, study, workers=workers, say=say)
-    progress.section("drawing and writing")
-    texts = {name: catalogue.shipped_scene_text(name) for name in study.used}
+        progress.begin_section("one shipped run recomputed")
+        checked = recompute_shipped_run((shipped_store(),), progress.print_step)
+    workers = min(engine.parallel_jobs or 1, usable_cores()) if engine.backend == "joblib" else 1
+    sections = make_sections(
+        wanted, progress.begin_section, progress.print_step, study, process_count=workers, show_worker_progress=say
+    )
+    progress.begin_section("drawing and writing")
+    texts = {name: catalogue.shipped_scene_text(name) for name in study.used_scenes}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     shipped = "shipped runs where they belong to the same inputs, else computed"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else shipped
     facts["3D reference"] = "shipped runs" if stored or not meshing else computed
-    missed += omitted_pictures(section for several in sections.values() for section in several)
+    missed += omitted_picture_entries(section for several in sections.values() for section in several)
     if missed:
         facts["left out"] = "; ".join(str(gap) for gap in missed)
     if checked is not None:
         facts["live check"] = str(checked)
-    without = "" if only or source else f", without {', '.join(part.name for part in SECTIONS if not part.quick)}"
+    without = "" if only or source else f", without {', '.join(part.name for part in SECTIONS if not part.in_quick_report)}"
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick report: coarse meshes, Lin's cases 1 and 2 only{without})" if quick else "")
         + "".join(f" (left out: {gap})" for gap in missed),
         provenance=facts,
-        pages=arrange_pages(sections),
-        origin={**facts, "inputs": hashes_of_report_inputs(study.stores or (shipped_store(),), texts)},
+        pages=arrange_sections_on_pages(sections),
+        origin={**facts, "inputs": hashes_of_report_inputs(study.reference_folders or (shipped_store(),), texts)},
     )
-    with folder_errors_as_input_errors(out):
-        page = write_report(report, out, progress.step)
+    with raise_folder_errors_as_input_errors(out):
+        page = write_report(report, out, progress.print_step)
     parts = [*([] if checked is None else [f"live check: {checked}"]), *(f"left out: {gap}" for gap in missed)]
     if before is not None:
-        parts += [*report_differences(before, read_tables(page.parent))] or ["no table cell changed"]
+        parts += [*report_differences(before, read_report_tables(page.parent))] or ["no table cell changed"]
     parts.append(f"report: {page} ({perf_counter() - start:.0f} s)")
-    return CommandOutput(parts=parts, code=0 if checked is None or checked.agrees else 1)
+    return CommandOutput(texts_and_tables=parts, exit_code=0 if checked is None or checked.agrees_with_shipped_run else 1)
 
 
-def check_scene_arguments(names: Sequence[str], **given: Any) -> None:
+def refuse_unusable_scene_arguments(names: Sequence[str], **given: Any) -> None:
     """Raise InputError if ``names`` is empty, or if an argument that needs a single scene is given for several.
 
     ``names``: names or files of the scenes. ``given``: values of such arguments by their names; None: not given.
@@ -492,7 +514,7 @@ def report(
         from rollbench.compare.report.several import write_scene_pages
 
         names = [str(scene)] if isinstance(scene, str | Path) else [str(one) for one in scene]
-        check_scene_arguments(names, reference=reference)
+        refuse_unusable_scene_arguments(names, reference=reference)
         pages = write_scene_pages(names, folder, Path(store), None if reference is None else Path(reference))
         warned = tuple(f"WARNING: {warning}" for page in pages for warning in page.warnings)
         verdict = "\n".join(page.verdict for page in pages)
@@ -504,5 +526,7 @@ def report(
 
     how: dict[str, Any] = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything, "source": source}
     answer = write_validation_report(only, folder, store=Path(store), say=LOG.info, **how)
-    passed = answer.code == 0
-    return Written({"page": str(index), "passed": passed}, "", tuple(map(str, answer.parts)), page=index, passed=passed)
+    passed = answer.exit_code == 0
+    return Written(
+        {"page": str(index), "passed": passed}, "", tuple(map(str, answer.texts_and_tables)), page=index, passed=passed
+    )

@@ -13,31 +13,31 @@ from pathlib import Path
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
 from rollbench.compare.gate.user import references_from_file
 from rollbench.compare.measure import LoadError, load_error
-from rollbench.compare.models.answers import Answers, tangent_stiffness_at
-from rollbench.compare.models.comparison import loads_from_result
+from rollbench.compare.models.answers import SceneResults, tangent_stiffness_at
+from rollbench.compare.models.comparison import solution_from_result
 from rollbench.compare.models.load_cases import (
-    SolvedAxis,
-    compute_cycle_results,
-    solve_axis_with_results,
+    ShaftSolution,
+    compute_duty_cycle_results,
     solve_scene_with_results,
+    solve_shaft_with_results,
     solve_with_results,
 )
-from rollbench.compare.models.model_form import FILE, ModelForm
-from rollbench.compare.models.registry import DEFAULT, Options, default_model, run_model
-from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import QUANTITIES, Validated, validated_error
+from rollbench.compare.models.model_form import FILE, ExpectedModelErrors
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, default_model_name, run_model
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.models.uncertainty import QUANTITIES, ErrorWithUncertainty, error_with_validation_uncertainty
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.store import path_of_run, shipped_store
-from rollbench.compare.report.axis_page import page_of_axis
+from rollbench.compare.report.axis_page import result_page_of_shaft
 from rollbench.compare.report.parts import (
-    page_provenance,
+    page_origin_facts,
     results_table,
-    scene_text,
-    source_code_hash,
+    scene_file_text,
+    source_code_hash_by_name,
     warnings_and_assumptions_section,
 )
 from rollbench.compare.results.rows import duty_cycle_rows, expected_error_sentence, solution_rows
@@ -55,14 +55,14 @@ from rollbench.compare.text.solved import load_case_rows
 from rollbench.lowfi.friction.whole.losses import CAUSES
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
-from rollbench.lowfi.statics.contacts import own_hertz
+from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes.axis import Assembly
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene, Time
-from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, TableColumn, Text
 from rollbench.reports.manifest import sha256
 from rollbench.reports.scene_page import ScenePage
 
@@ -70,7 +70,7 @@ SKETCH = "Side view of screw, nut and balls, to scale near the nut; hatched: sur
 
 
 @contextmanager
-def folder_errors_as_input_errors(out: Path) -> Iterator[None]:
+def raise_folder_errors_as_input_errors(out: Path) -> Iterator[None]:
     """Raise InputError in place of the OSError or ValueError of a ``with`` block that writes a report to a folder.
 
     ``out``: the folder. InputError is also raised, before the block, if it contains files that do not belong to a report.
@@ -85,16 +85,16 @@ def folder_errors_as_input_errors(out: Path) -> Iterator[None]:
         raise ArgumentError("out", str(error), allowed, "choose another folder", str(out)) from None
 
 
-def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = None) -> ScenePage:
+def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file: Path | None = None) -> ScenePage:
     """Solve a scene by the default model and make its result page; of several load cases, that of the highest pressure.
 
     Parameters
     ----------
-    name
+    scene_name
         Name or file of the scene.
     stores
         Folders with stored runs of the 3D reference.
-    file
+    reference_file
         File with contact loads that replaces the 3D reference.
 
     Returns
@@ -108,45 +108,53 @@ def solve_and_make_page(name: str, stores: Sequence[Path], file: Path | None = N
         For a scene that cannot be shown, or a file of loads for several sets of balls. If the scene has no solution, the
         subclass Refusal.
     """
-    described = catalogue.any_scene(name)
+    described = catalogue.scene_of_any_kind(scene_name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)
-    if sets and file is not None:
-        raise ArgumentError("reference", str(file), "only with a scene of a single nut or bearing", "leave it out", name)
+    if sets and reference_file is not None:
+        raise ArgumentError(
+            "reference", str(reference_file), "only with a scene of a single nut or bearing", "leave it out", scene_name
+        )
     if isinstance(described, DutyCycle):
-        return _page_of_worst_case(name, described, stores, file)
+        return _page_of_highest_pressure_case(scene_name, described, stores, reference_file)
     if isinstance(described, Assembly):
-        return page_of_axis(name, solve_axis_with_results(described, default_model(described), Options()), stores)
-    return _page_of_load_case(name, scene_file.single_set_or_raise(described, name), stores, file)
+        return result_page_of_shaft(
+            scene_name, solve_shaft_with_results(described, default_model_name(described), ModelOptions()), stores
+        )
+    return _page_of_load_case(
+        scene_name, scene_file.single_nut_scene_or_raise(described, scene_name), stores, reference_file
+    )
 
 
-def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], file: Path | None) -> ScenePage:
+def _page_of_highest_pressure_case(
+    scene_name: str, cycle: DutyCycle, stores: Sequence[Path], reference_file: Path | None
+) -> ScenePage:
     """Return the page on the load case of a duty cycle with the highest pressure; it begins with the results of all cases.
 
-    ``name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
-    reference. ``file``: file with contact loads that replaces the 3D reference. Raises Refusal if no load case converges
-    and loads a contact.
+    ``scene_name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
+    reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises Refusal if no load case
+    converges and loads a contact.
     """
-    solved = [solve_with_results(case.scene, default_model(case.scene), Options()) for case in cycle.cases]
+    solved = [solve_with_results(case.scene, default_model_name(case.scene), ModelOptions()) for case in cycle.cases]
     names = [case.name for case in cycle.cases]
-    whole = compute_cycle_results(cycle, solved)
+    whole = compute_duty_cycle_results(cycle, solved)
     if whole.pressure is None:
         value = "no load case that has a solution with loaded contacts"
-        raise Refusal(name, "cases", value, "see the status of each load case: rollbench solve")
+        raise SceneNotCoveredError(scene_name, "cases", value, "see the status of each load case: rollbench solve")
     worst = whole.pressure.case
     one = solved[names.index(worst)]
-    if isinstance(one, SolvedAxis):
-        page = page_of_axis(name, one, stores)
+    if isinstance(one, ShaftSolution):
+        page = result_page_of_shaft(scene_name, one, stores)
     else:
-        page = _page_of_load_case(name, one.scene, stores, file, worst)
+        page = _page_of_load_case(scene_name, one.scene, stores, reference_file, worst)
     data = duty_cycle_json(cycle, solved, whole)
     rows: list[Row] = [
-        {Quantity(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
+        {TableColumn(key, key, "", "s" if key == "case" else "g4"): value for key, value in row.items()}
         for row in load_case_rows(data["cases"])
     ]
     answers = duty_cycle_rows(whole)
     life_said = " or ".join(f"{row.value} {row.unit}" for row in answers if row.quantity == "life L10") or "not known"
     note = "Life: if only this case acted. The sections below show the case with the highest pressure."
-    table = Table.of("cases", "Results of each load case", rows, note)
+    table = Table.from_rows("cases", "Results of each load case", rows, note)
     lost = "".join(f" Case {one} was not solved: {status}." for one, status in whole.unsolved.items())
     cases = count_with_noun(len(solved), "load case")
     return replace(
@@ -162,48 +170,56 @@ def _page_of_worst_case(name: str, cycle: DutyCycle, stores: Sequence[Path], fil
 
 
 def _page_of_load_case(
-    name: str, scene: Scene, stores: Sequence[Path], file: Path | None = None, case: str | None = None
+    scene_name: str,
+    scene: Scene,
+    stores: Sequence[Path],
+    reference_file: Path | None = None,
+    load_case_name: str | None = None,
 ) -> ScenePage:
     """Return the page with the results of one load case of a scene that has a single nut or bearing row.
 
-    ``name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``file``: file with
-    contact loads that replaces the 3D reference. ``case``: name of the load case, to which the rows of the file are
-    restricted. Raises Refusal if the scene has no solution.
+    ``scene_name``: name or file of the scene. ``stores``: folders with stored runs of the 3D reference. ``reference_file``:
+    file with contact loads that replaces the 3D reference. ``load_case_name``: name of the load case, to which the rows of
+    the file are restricted. Raises Refusal if the scene has no solution.
     """
-    study, warnings = Study(stores, scenes={scene.name: scene}), list[str]()
+    study, warnings = SceneResultCache(stores, scenes={scene.name: scene}), list[str]()
 
-    given = None if file is None else references_from_file(file, scene, warnings.append, case=case)[0].found
-    options = Options()
+    given = (
+        None
+        if reference_file is None
+        else references_from_file(reference_file, scene, warnings.append, case=load_case_name)[0].reference
+    )
+    options = ModelOptions()
     one = solve_scene_with_results(scene, DEFAULT, options)
-    result, answers, worth = one.result, one.answers, one.expected
+    result, answers, worth = one.result, one.derived_results, one.expected_errors
     if answers is None or worth is None:
-        raise Refusal(name, "scene", result.status, "see the status of the solution: rollbench solve")
+        raise SceneNotCoveredError(scene_name, "scene", result.status, "see the status of the solution: rollbench solve")
     tangent = tangent_stiffness_at(scene, scene.nut.position, DEFAULT, options)
-    stored = study.reference(scene.name)
+    stored = study.stored_reference(scene.name)
     judged = [
         v
         for q in QUANTITIES
-        if (v := validated_error(study, scene.name, DEFAULT, q, loads_from_result(result))) is not None
+        if (v := error_with_validation_uncertainty(study, scene.name, DEFAULT, q, solution_from_result(result))) is not None
     ]
-    text, data = scene_text(name), solved_case_json(one)
+    text, data = scene_file_text(scene_name), solved_case_json(one)
     sections = (
         Section("scene", "Geometry of the scene", (sketch_scene(scene, "sketch", SKETCH),)),
         _loads_section(scene, result, [reference for reference in (given, stored) if reference is not None]),
         _stiffness_section(answers, tangent),
         *filter(None, [friction_section(scene, result, options)]),
-        _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference(given, result)),
+        _error_section(scene, worth, judged, stored, None if given is None else compare_with_reference_file(given, result)),
         warnings_and_assumptions_section(result, warnings),
     )
     return ScenePage(
         scene.title,
         f"{scene.name}: contact loads, stiffness, pressure, friction and life by rollbench, model {DEFAULT}",
         pressure_and_error_sentence(
-            answers, worth, judged, stored, None if given is None else compare_with_reference(given, result)
+            answers, worth, judged, stored, None if given is None else compare_with_reference_file(given, result)
         ),
         (),
         _picture_of_scene(scene, result),
         sections,
-        _scene_provenance(name, scene, text, stored, file),
+        _scene_origin_facts(scene_name, scene, text, stored, reference_file),
         text,
         data,
         _hashes_of_used_files(scene, stored, stores),
@@ -222,34 +238,34 @@ class ReferenceComparison:
     """Comparison of the computed contact loads with the loads in the user's reference file."""
 
     #: Errors of the computed loads against those of the file.
-    error: LoadError
+    load_errors: LoadError
     #: Largest uncertainty that the file states for a load [% of the mean load].
-    uncertainty: float
+    largest_uncertainty_percent: float
     #: Name, origin and uncertainty of the reference, as text.
-    stated: str
+    reference_text: str
 
     @property
-    def largest_error(self) -> str:
+    def largest_error_clause(self) -> str:
         """Clause that states the largest error of a computed contact load, with ball and flank."""
-        e = self.error
+        e = self.load_errors
         return f"loads differ by up to {e.max_percent:.2f} % of the mean load (ball {e.ball} {e.side})"
 
 
-def compare_with_reference(given: Reference, result: StaticResult) -> ReferenceComparison:
+def compare_with_reference_file(file_reference: Reference, result: StaticResult) -> ReferenceComparison:
     """Compare the computed contact loads with those of the user's reference file.
 
-    ``given``: contact loads of the file. ``result``: the solution.
+    ``file_reference``: contact loads of the file. ``result``: the solution.
     """
-    error = load_error(result.load, given.load, given.contacts)
-    return ReferenceComparison(error, largest_uncertainty_percent(given), given.stated)
+    error = load_error(result.load, file_reference.load, file_reference.contacts)
+    return ReferenceComparison(error, largest_uncertainty_percent(file_reference), file_reference.stated)
 
 
 def pressure_and_error_sentence(
-    answers: Answers,
-    worth: ModelForm,
-    judged: Sequence[Validated],
+    answers: SceneResults,
+    expected_error: ExpectedModelErrors,
+    measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
-    given: ReferenceComparison | None,
+    file_comparison: ReferenceComparison | None,
 ) -> str:
     """Return the main result of a scene as one sentence: highest pressure, static safety, and error of the loads.
 
@@ -257,31 +273,34 @@ def pressure_and_error_sentence(
     ----------
     answers
         Results derived from the contact loads.
-    worth
+    expected_error
         Expected error of the loads, estimated from other scenes that were compared with the 3D reference.
-    judged
+    measured_errors
         Errors measured against the stored 3D reference, that of the contact loads first; empty without a reference.
     reference
         Stored 3D reference; None: not stored.
-    given
+    file_comparison
         Comparison with the user's reference file; None: no file.
     """
-    worst, safety = answers.loads.worst, answers.loads.safety
+    worst, safety = answers.load_results.worst_contact, answers.load_results.safety
     if worst is None or safety is None:
         return "No contact carries load."
     text = (
         f"The contact with the highest pressure (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
         f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
-    if given is not None:
-        return f"{text}; {given.stated}, {given.largest_error}."
-    if judged and reference is not None:
-        v = judged[0]
-        bar = v.bar + (f"; {reference.unsettled}" if reference.unsettled else "")
+    if file_comparison is not None:
+        return f"{text}; {file_comparison.reference_text}, {file_comparison.largest_error_clause}."
+    if measured_errors and reference is not None:
+        v = measured_errors[0]
+        bar = v.uncertainty_text + (f"; {reference.unsettled}" if reference.unsettled else "")
         return f"{text}; loads differ from the 3D reference by up to {abs(v.error):.2f} % of the mean load ({bar})."
-    if worth.percent is None:
+    if expected_error.percent is None:
         return f"{text}; the error of these loads is unknown because no similar scene was compared with the 3D reference."
-    return f"{text}; by comparison of similar scenes, expect an error of up to {worth.percent:.1f} % of the mean load."
+    return (
+        f"{text}; by comparison of similar scenes, expect an error of up to {expected_error.percent:.1f} % of the mean "
+        "load."
+    )
 
 
 def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Reference]) -> Section:
@@ -291,7 +310,9 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     exist.
     """
     panels = []
-    pressure = 1e-6 * own_hertz(scene, draw_specimen(scene, ball_layout(scene), result.member)).pressure(result.load)
+    pressure = 1e-6 * hertz_of_every_contact(
+        scene, draw_geometry_with_errors(scene, ball_layout(scene), result.member)
+    ).pressure(result.load)
     for s, side in enumerate(SIDES[:2]):
         if not (result.load[:, s] > 0.0).any():
             continue
@@ -304,23 +325,23 @@ def _loads_section(scene: Scene, result: StaticResult, references: Sequence[Refe
     rows: list[Row] = []
     for i, s in zip(*np.nonzero(result.load > 0.0), strict=True):
         row: Row = {
-            Quantity("ball", "ball"): int(i) + 1,
-            Quantity("side", "flank", "", "s"): SIDES[int(s)],
-            Quantity("load", "load", "N", ".1f"): float(result.load[i, s]),
+            TableColumn("ball", "ball"): int(i) + 1,
+            TableColumn("side", "flank", "", "s"): SIDES[int(s)],
+            TableColumn("load", "load", "N", ".1f"): float(result.load[i, s]),
         }
         for reference in references:
             key = "given" if reference.stated else "reference"
-            row[Quantity(key, reference.label, "N", ".1f")] = float(reference.load[i, s])
-        row[Quantity("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
-        row[Quantity("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
+            row[TableColumn(key, reference.label, "N", ".1f")] = float(reference.load[i, s])
+        row[TableColumn("angle", "contact angle", "deg", ".2f")] = float(np.degrees(result.contact_angle[i, s]))
+        row[TableColumn("pressure", "peak pressure", "MPa", ".0f")] = float(pressure[i, s])
         rows.append(row)
     items: list[Figure | Table] = [Figure("loads", "Contact load of every ball", tuple(panels))] if panels else []
     note = "Peak pressure by Hertz theory with the radii of each contact."
-    items.append(Table.of("contacts", "Load, contact angle and pressure of every loaded contact", rows, note))
+    items.append(Table.from_rows("contacts", "Load, contact angle and pressure of every loaded contact", rows, note))
     return Section("loads", "Contact loads and pressures", items)
 
 
-def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
+def _stiffness_section(answers: SceneResults, tangent: TangentStiffness) -> Section:
     """Return the section on stiffness: axial rigidities by ISO 3408-4 and by the model, and the 6 x 6 tangent matrix.
 
     ``answers``: results derived from the contact loads. ``tangent``: stiffness of the screw at the nut's centre.
@@ -332,72 +353,76 @@ def _stiffness_section(answers: Answers, tangent: Tangent) -> Section:
         "secant rigidity by the model (R_nu,ar)",
         "tangent rigidity by the model at this load",
     )
-    values = (None,) * 3 if three is None else (three.contacts, three.bodies, three.unequal)
+    values = (None,) * 3 if three is None else (three.contacts_only, three.with_bodies, three.with_unequal_loads)
     rows: list[Row] = [
         {
-            Quantity("name", "axial rigidity", "", "s"): name,
-            Quantity("value", "", "N/um"): None if value is None else 1e-6 * value,
+            TableColumn("name", "axial rigidity", "", "s"): name,
+            TableColumn("value", "", "N/um"): None if value is None else 1e-6 * value,
         }
         for name, value in zip(names, (*values, answers.tangent), strict=True)
     ]
-    first = Table.of("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
+    first = Table.from_rows("rigidity", "Axial rigidity by the formulas of ISO 3408-4 and by the model", rows)
     if tangent.status != "converged":
         return Section("stiffness", "Stiffness", (first, Text((f"Tangent stiffness: {tangent.status}.",))))
     cells: list[Row] = [
         {
-            Quantity("freedom", "force or moment", "", "s"): name,
-            **{Quantity(other, other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
+            TableColumn("freedom", "force or moment", "", "s"): name,
+            **{TableColumn(other, other): float(tangent.matrix[i, k]) for k, other in enumerate(FREEDOMS)},
         }
         for i, name in enumerate(FREEDOMS)
     ]
     note = "For displacements of the screw at the nut's centre; rows and columns in N, N m, m and rad."
-    second = Table.of("tangent", "Tangent stiffness of the screw, 6 x 6", cells, note)
+    second = Table.from_rows("tangent", "Tangent stiffness of the screw, 6 x 6", cells, note)
     return Section("stiffness", "Stiffness", (first, second))
 
 
 def _error_section(
     scene: Scene,
-    worth: ModelForm,
-    judged: Sequence[Validated],
+    expected_error: ExpectedModelErrors,
+    measured_errors: Sequence[ErrorWithUncertainty],
     reference: Reference | None,
-    given: ReferenceComparison | None = None,
+    file_comparison: ReferenceComparison | None = None,
 ) -> Section:
     """Return the section on the errors of the results.
 
     It shows the errors measured against references with their validation uncertainty u_val, the error to expect, and
     whether the scene lies in the range of the scenes that were compared with the 3D reference.
 
-    ``worth``: expected error, estimated from other scenes. ``judged``: errors measured against the stored 3D reference;
-    empty without one. ``reference``: this reference. ``given``: comparison with the user's reference file; None: no file.
+    ``expected_error``: expected error, estimated from other scenes. ``measured_errors``: errors measured against the stored
+    3D reference; empty without one. ``reference``: this reference. ``file_comparison``: comparison with the user's
+    reference file; None: no file.
     """
     items: list[Text | Table | Figure] = []
-    if given is not None:
-        text = f"{given.stated[:1].upper()}{given.stated[1:]}: {given.largest_error}, "
-        text += f"uncertain by up to {given.uncertainty:.2f} %."
+    if file_comparison is not None:
+        text = (
+            f"{file_comparison.reference_text[:1].upper()}{file_comparison.reference_text[1:]}: "
+            f"{file_comparison.largest_error_clause}, "
+        )
+        text += f"uncertain by up to {file_comparison.largest_uncertainty_percent:.2f} %."
         items.append(Text((text,)))
-    if judged and reference is not None:
+    if measured_errors and reference is not None:
         levels = ", ".join(str(run.level) for run in reference.runs)
         rows: list[Row] = [
             {
                 "quantity": v.quantity,
-                Quantity("error", "error", "%", "+.2f"): v.error,
-                Quantity("grid", "uncertainty by mesh", "%", ".2f"): v.grid,
-                Quantity("choices", "by modelling choices", "%", ".2f"): v.choices,
-                Quantity("inputs", "by input tolerances", "%", ".2f"): v.inputs,
-                Quantity("u", "u_val", "%", ".2f"): v.combined,
+                TableColumn("error", "error", "%", "+.2f"): v.error,
+                TableColumn("grid", "uncertainty by mesh", "%", ".2f"): v.grid,
+                TableColumn("choices", "by modelling choices", "%", ".2f"): v.choices,
+                TableColumn("inputs", "by input tolerances", "%", ".2f"): v.inputs,
+                TableColumn("u", "u_val", "%", ".2f"): v.combined,
             }
-            for v in judged
+            for v in measured_errors
         ]
         note = (
             f"Errors against the 3D reference on mesh levels {levels}. Contact loads: the worst contact, in per cent of "
             "the mean load. u_val is the root of the sum of squares of the three uncertainties (ASME V&V 20). The effect "
             "of modelling choices of the 3D reference was computed on a few scenes and is transferred to the others."
         )
-        items.append(Table.of("measured", "Error against the 3D reference, and its uncertainty", rows, note))
+        items.append(Table.from_rows("measured", "Error against the 3D reference, and its uncertainty", rows, note))
     else:
         text = "The error was not measured: no run of the 3D reference is stored for this scene (rollbench mesh-study)."
         items.append(Text((text,)))
-    expected = expected_error_sentence(worth)
+    expected = expected_error_sentence(expected_error)
     items.append(Text((expected[:1].upper() + expected[1:] + ".",)))
     try:
         items += [validated_range_table(scene), validated_range_figure(scene)]
@@ -422,23 +447,25 @@ def _hashes_of_used_files(scene: Scene, reference: Reference | None, stores: Seq
     paths = [shipped_store() / FILE]
     for run in () if reference is None else reference.runs:
         paths += [p for store in stores if (p := path_of_run(store, scene, run)).exists()][:1]
-    return source_code_hash() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
+    return source_code_hash_by_name() | {path.name: sha256(path.read_bytes()) for path in paths if path.exists()}
 
 
-def _scene_provenance(name: str, scene: Scene, text: str, reference: Reference | None, file: Path | None) -> dict[str, str]:
+def _scene_origin_facts(
+    scene_name: str, scene: Scene, toml_text: str, reference: Reference | None, reference_file: Path | None
+) -> dict[str, str]:
     """Return what the page states about its origin, by label: scene file, versions, date, and the 3D runs it used.
 
-    ``name``: name or file of the scene. ``text``: its TOML text. ``reference``: 3D reference; None: not stored. ``file``:
-    the user's file of contact loads; None: no file.
+    ``scene_name``: name or file of the scene. ``toml_text``: its TOML text. ``reference``: 3D reference; None: not stored.
+    ``reference_file``: the user's file of contact loads; None: no file.
     """
-    out = page_provenance(name, scene, text, DEFAULT)
+    out = page_origin_facts(scene_name, scene, toml_text, DEFAULT)
     if reference is not None:
         runs = "; ".join(
             f"level {r.level} of {r.date}, rollbench {r.versions.get('rollbench', '?')}" for r in reference.runs
         )
         out["3D reference"] = runs
-    if file is not None:
-        out["reference"] = f"{file.name}, SHA-256 {sha256(file.read_bytes())}"
+    if reference_file is not None:
+        out["reference"] = f"{reference_file.name}, SHA-256 {sha256(reference_file.read_bytes())}"
     return out
 
 
@@ -449,7 +476,7 @@ STEPS = 24
 PLAY = (-10e-6, -5e-6, -2e-6, 0.0, 2e-6)
 
 
-def friction_section(scene: Scene, result: StaticResult, options: Options) -> Section | None:
+def friction_section(scene: Scene, result: StaticResult, options: ModelOptions) -> Section | None:
     """Return the section on friction: torque, losses, and effect of the friction coefficient and of the ball size.
 
     ``result``: static solution without friction. ``options``: options of the model. Returns None if the scene has no
@@ -467,7 +494,7 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
     if not state.all_balanced:
         return Section("friction", "Friction", (Text((f"Friction was not computed: {friction_status(state)}.",)),))
     (drag,) = drag_torques(scene, [state], [scene.friction], bare, options)
-    lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason or drag.note))
+    lines = lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note))
     panels = [_torque_over_coefficient_panel(solved, result), _torque_over_ball_size_panel(solved)]
     notes = [f"{label}: {text}." for label, text in lines]
     try:
@@ -477,13 +504,13 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
     except InputError as error:  # circuits that cannot be
         notes.append(f"The torque over a turn was not computed: {error}.")
     else:
-        panels[:0] = _torque_over_rotation_panel(run)
+        panels[:0] = _torque_over_rotation_panels(run)
         notes += [] if run.converged else [f"Computation of the torque over a turn: {run.status}."]
     rows: list[Row] = [
         {
-            Quantity("contact", "contact", "", "s"): row["contact"],
-            Quantity("loss_W", "loss", "W", ".3g"): row["loss_W"],
-            **{Quantity(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
+            TableColumn("contact", "contact", "", "s"): row["contact"],
+            TableColumn("loss_W", "loss", "W", ".3g"): row["loss_W"],
+            **{TableColumn(cause, cause.replace("_", " "), "W", ".3g"): row[cause] for cause in CAUSES},
         }
         for row in losses_by_contact_and_cause(state)
     ]
@@ -499,7 +526,7 @@ def friction_section(scene: Scene, result: StaticResult, options: Options) -> Se
             Figure(
                 "friction", "Friction torque over rotation, friction coefficient and ball size", tuple(panels), caption, 3
             ),
-            Table.of("losses", "Friction losses by contact and cause", rows),
+            Table.from_rows("losses", "Friction losses by contact and cause", rows),
         ),
     )
 
@@ -513,7 +540,7 @@ def _friction_time_span(scene: Scene, motion: Motion) -> Time:
     return scene.time or Time(duration=abs(angle / motion.speed), steps=STEPS, goal=1.0, output="torque")
 
 
-def _torque_over_rotation_panel(run: TransientRun) -> list[Panel]:
+def _torque_over_rotation_panels(run: TransientRun) -> list[Panel]:
     """Return a list with the panel of friction torque over the angle of rotation: in total, and by the grooves alone.
 
     ``run``: friction computed over time. The list is empty if this computation did not start.
@@ -523,10 +550,10 @@ def _torque_over_rotation_panel(run: TransientRun) -> list[Panel]:
         return []
     angle = np.degrees(h.rotation_angle).tolist()
     series = (
-        Series("total", angle, (1e3 * h.torque).tolist(), "line", emphasis=True),
+        Series("total", angle, (1e3 * h.torque).tolist(), "line", bold=True),
         Series("contacts with the grooves", angle, (1e3 * h.groove_torque).tolist(), "line"),
     )
-    return [Panel("torque over the rotation", "angle / deg", "friction torque / N mm", series, zero=True)]
+    return [Panel("torque over the rotation", "angle / deg", "friction torque / N mm", series, include_zero=True)]
 
 
 def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticResult) -> Panel:
@@ -538,9 +565,9 @@ def _torque_over_coefficient_panel(solved: StaticallySolvedPart, result: StaticR
     values = np.geomspace(*MEASURED, 7)
     torques = [1e3 * solved.torque(result, replace(given, screw=mu, nut=mu, balls=None)) for mu in values]
     this_scene = Series("this scene", [max(given.screw, given.nut)], [1e3 * solved.torque(result, given)], "markers")
-    series = (Series("equal coefficient on screw and nut", values.tolist(), torques, emphasis=True), this_scene)
+    series = (Series("equal coefficient on screw and nut", values.tolist(), torques, bold=True), this_scene)
     title = "torque over the friction coefficient"
-    return Panel(title, "coefficient of friction", "friction torque / N mm", series, log="x", zero=True)
+    return Panel(title, "coefficient of friction", "friction torque / N mm", series, log_axes="x", include_zero=True)
 
 
 def _torque_over_ball_size_panel(solved: StaticallySolvedPart) -> Panel:
@@ -552,7 +579,9 @@ def _torque_over_ball_size_panel(solved: StaticallySolvedPart) -> Panel:
     for play in PLAY:
         balls = replace(scene.errors.balls, oversize=scene.errors.balls.oversize + play)
         other = replace(scene, errors=replace(scene.errors, balls=balls))
-        found = run_model(other, solved.model, replace(solved.options, discretisation=False))
+        found = run_model(other, solved.model, replace(solved.options, estimate_beam_mesh_error=False))
         torques.append(1e3 * solved.torque(found, solved.friction, other))
-    series = (Series("friction coefficient of the scene", [1e6 * play for play in PLAY], torques, emphasis=True),)
-    return Panel("torque over the ball size", "change of the ball radius / um", "friction torque / N mm", series, zero=True)
+    series = (Series("friction coefficient of the scene", [1e6 * play for play in PLAY], torques, bold=True),)
+    return Panel(
+        "torque over the ball size", "change of the ball radius / um", "friction torque / N mm", series, include_zero=True
+    )

@@ -11,12 +11,12 @@ from rollbench.compare.files import check_writable
 from rollbench.compare.provenance import SOURCES
 from rollbench.compare.quantities import count_with_noun, words_and_unit_of_key
 from rollbench.compare.reference.store import shipped_store
-from rollbench.compare.report.scene_page import folder_errors_as_input_errors, solve_and_make_page
+from rollbench.compare.report.scene_page import raise_folder_errors_as_input_errors, solve_and_make_page
 from rollbench.compare.scenes import catalogue
-from rollbench.reports.content import Quantity, Row, Section, Table
+from rollbench.reports.content import Row, Section, Table, TableColumn
 from rollbench.reports.manifest import sha256
-from rollbench.reports.pages import replace_folder
-from rollbench.reports.scene_page import ScenePage, render_page
+from rollbench.reports.pages import replace_report_folder
+from rollbench.reports.scene_page import ScenePage, scene_page_html
 
 #: File name of the first page.
 INDEX = "index.html"
@@ -70,27 +70,27 @@ def write_scene_pages(names: Sequence[str], out: Path, store: Path, reference: P
         Refusal.
     """
     for name in names:
-        catalogue.any_scene(name)
-    with folder_errors_as_input_errors(out):
+        catalogue.scene_of_any_kind(name)
+    with raise_folder_errors_as_input_errors(out):
         check_writable(out / INDEX)
     pages = [solve_and_make_page(name, (store, shipped_store()), reference) for name in names]
-    files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(render_page, pages), strict=True))
+    files = dict(zip([INDEX] if len(pages) == 1 else _page_file_names(names), map(scene_page_html, pages), strict=True))
     if len(pages) > 1:
-        files[INDEX] = render_page(comparison_page(names, pages, files))
+        files[INDEX] = scene_page_html(scene_comparison_page(names, pages, files))
 
     def write(folder: Path) -> None:
         for name, html in files.items():
             (folder / name).write_text(html, encoding="utf-8", newline="\n")
 
-    with folder_errors_as_input_errors(out):
-        replace_folder(out, write)
+    with raise_folder_errors_as_input_errors(out):
+        replace_report_folder(out, write)
     return pages
 
 
-def _page_file_names(names: Sequence[str]) -> list[str]:
+def _page_file_names(scene_names: Sequence[str]) -> list[str]:
     """Return the file names of the scenes' pages, made of the scenes' names; equal names get a number appended."""
     files = [INDEX]
-    for name in names:
+    for name in scene_names:
         stem = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(name).stem).strip("-.") or "scene"
         taken, count = {file.lower() for file in files}, 1
         while (file := f"{stem}{f'-{count}' if count > 1 else ''}.html").lower() in taken:
@@ -99,21 +99,23 @@ def _page_file_names(names: Sequence[str]) -> list[str]:
     return files[1:]
 
 
-def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Mapping[str, str]) -> ScenePage:
+def scene_comparison_page(
+    scene_names: Sequence[str], pages: Sequence[ScenePage], html_by_file_name: Mapping[str, str]
+) -> ScenePage:
     """Return the page that compares several scenes: the main result of each, and a table of all numerical results.
 
     Parameters
     ----------
-    names
+    scene_names
         Names or files of the scenes.
     pages
         Page of each scene.
-    files
+    html_by_file_name
         HTML text of each page, by the name of its file.
     """
-    labels = [file.removesuffix(".html") for file in files]
+    labels = [file.removesuffix(".html") for file in html_by_file_name]
     note = "A dash: no such result for this scene. Loads are contact loads; errors are expected errors."
-    table = Table.of(
+    table = Table.from_rows(
         "answers", "Numerical results of all scenes", numerical_result_rows(labels, pages), note, unfolded=True
     )
     status = next((s for page in pages if (s := page.results["status"]) != "converged"), "converged")
@@ -127,39 +129,42 @@ def comparison_page(names: Sequence[str], pages: Sequence[ScenePage], files: Map
         provenance={label: page.provenance["scene"] for label, page in zip(labels, pages, strict=True)}
         | {key: pages[0].provenance[key] for key in ("rollbench", "date", "libraries", "Python", "model")},
         scene_text="",
-        results={"status": status, "scenes": list(names)},
-        files={SOURCES: pages[0].files[SOURCES]} | {file: sha256(html) for file, html in files.items()},
-        links=dict(zip(labels, files, strict=True)),
+        results={"status": status, "scenes": list(scene_names)},
+        files={SOURCES: pages[0].files[SOURCES]} | {file: sha256(html) for file, html in html_by_file_name.items()},
+        links=dict(zip(labels, html_by_file_name, strict=True)),
     )
 
 
-def numerical_result_rows(labels: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
+def numerical_result_rows(column_headings: Sequence[str], pages: Sequence[ScenePage]) -> list[Row]:
     """Return the rows of the table that compares scenes: a row for each numerical result, a column for each load case.
 
     Parameters
     ----------
-    labels
+    column_headings
         Column heading of each scene; the name of a load case is appended.
     pages
         Page of each scene, which contains its results.
     """
     columns = {}
-    for label, page in zip(labels, pages, strict=True):
+    for label, page in zip(column_headings, pages, strict=True):
         for one in page.results.get("cases", [page.results]):
             heading = f"{label}, {one['case']}" if "case" in one else label
-            columns[heading] = dict(_numbers_of_summary({**one["summary"], "model_form": one["model_form"]}))
+            columns[heading] = dict(_numbers_in_results_summary({**one["summary"], "model_form": one["model_form"]}))
             if "case" in one and (life := page.results["summary"].get("life")):
-                columns[heading] |= dict(_numbers_of_summary({"life": life}, "life of all cases"))
-    keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_group_rank)
+                columns[heading] |= dict(_numbers_in_results_summary({"life": life}, "life of all cases"))
+    keys = sorted(dict.fromkeys(key for column in columns.values() for key in column), key=_position_of_result_group)
     found: list[Row] = []
     for group, key in keys:
         words, unit = words_and_unit_of_key(key)
-        row: Row = {Quantity("quantity", "quantity", "", "s"): f"{group}: {words}", Quantity("unit", "unit", "", "s"): unit}
-        found.append(row | {Quantity(head, head): column.get((group, key)) for head, column in columns.items()})
+        row: Row = {
+            TableColumn("quantity", "quantity", "", "s"): f"{group}: {words}",
+            TableColumn("unit", "unit", "", "s"): unit,
+        }
+        found.append(row | {TableColumn(head, head): column.get((group, key)) for head, column in columns.items()})
     return found
 
 
-def _group_rank(key: tuple[str, str]) -> int:
+def _position_of_result_group(key: tuple[str, str]) -> int:
     """Return the position in `GROUPS` of a result's group, by which table rows are sorted; unknown groups come last.
 
     ``key``: name of the group in words, and key of the result in it.
@@ -168,7 +173,7 @@ def _group_rank(key: tuple[str, str]) -> int:
     return groups.index(key[0]) if key[0] in groups else len(groups)
 
 
-def _numbers_of_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
+def _numbers_in_results_summary(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[tuple[str, str], float]]:
     """Yield each number in the summary of a scene's JSON results as a pair: (name of its group, key) and value.
 
     ``group``: name that replaces the names of all groups; empty: the groups keep their names.

@@ -12,7 +12,7 @@ from rollbench.compare.cases.lin.extremes import extreme_cases_text_and_table
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.comparison import RULE
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.overview import screws_within_limit_text
@@ -22,16 +22,16 @@ from rollbench.compare.studies.extremes import (
     ENERGY,
     FORMULATIONS,
     SOURCE,
-    campaign_rows,
-    count_outcomes,
-    shipped_campaigns,
-    solve_all_hard_cases,
+    built_in_campaign_records,
+    campaign_table_rows,
+    count_expected_outcomes,
+    solve_all_hard_scenes,
     stability_table_rows,
 )
 from rollbench.compare.studies.survey import MODELS
-from rollbench.compare.studies.survey_models import ErrorsAndTimes, errors_and_times_of_models, load_levels
+from rollbench.compare.studies.survey_models import LoadErrorsAndTimes, errors_and_times_of_models, load_timed_level_runs
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 #: Errors in the report's table, with their keys in the stored records.
 SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expected_percent"}
@@ -39,7 +39,7 @@ SHORT = {"largest": "largest_percent", "RMS": "rms_percent", "expected": "expect
 BINS, NEAR = 24, 2.0
 
 
-def survey_section(study: Study, step: Callable[[str], None]) -> Section:
+def survey_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on contact-load errors of the low-order models on randomly drawn catalogue screws.
 
     It has the histogram of errors, errors near nut faces, errors over run time, and a table of all screws.
@@ -47,8 +47,8 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     ``step`` is called with each line of progress.
     """
     step("stored results of the randomly drawn screws")
-    every = survey.shipped_survey()["scenes"]
-    scenes = survey.records_of_known_screws()
+    every = survey.built_in_survey()["scenes"]
+    scenes = survey.records_for_error_estimates()
     title = "Contact-load errors of the models on randomly drawn catalogue screws"
     if not scenes:
         return Section("survey", title, (Text(("No results of randomly drawn screws are stored.",)),))
@@ -76,25 +76,25 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
         {model: np.array([e for e in errors if e is not None]) for model, errors in gate.items()}
     )
     items = (
-        survey_figure(scenes),
+        random_screw_error_figure(scenes),
         Text((about,)),
         Table(
             "stability-survey",
             "Summary of the models' errors on all randomly drawn screws",
-            tuple(Quantity(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
+            tuple(TableColumn(name, name, "", "s" if name in survey.SUMS[:3] else ".2f") for name in survey.SUMS),
             [
                 row | {"error": WORDS[row["error"].removeprefix("largest_")]}
-                for row in survey.error_summary_of_all_models(scenes)
+                for row in survey.error_summary_rows_of_all_models(scenes)
             ],
         ),
-        *error_and_time_items(study, scenes),
-        *_later_screws_items(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
+        *error_and_run_time_items(cache, scenes),
+        *_items_on_screws_drawn_later(scenes, [r for r in every if r["number"] >= KNOWN_SCREWS]),
         Table(
             "stability-survey-scenes",
             "Contact-load errors of the refined model and Lin's model on each randomly drawn screw",
             (
-                *(Quantity(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
-                *(Quantity(name, name, "% of mean", ".2f") for name in errors),
+                *(TableColumn(name, name, "", "s") for name in ("scene", "screw", "contacts", "status")),
+                *(TableColumn(name, name, "% of mean", ".2f") for name in errors),
             ),
             rows,
             csv_only=[f"{model} expected" for model in MODELS],
@@ -103,43 +103,52 @@ def survey_section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("survey", title, items, conclusion=f"Randomly drawn screws: {passed[:1].lower()}{passed[1:]}.")
 
 
-def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple[Text | Table | Figure, ...]:
+def error_and_run_time_items(
+    cache: SceneResultCache, screw_records: Sequence[survey.Record]
+) -> tuple[Text | Table | Figure, ...]:
     """Return figure, text and table of load errors and run times of models and 3D mesh levels on random screws.
 
     Parameters
     ----------
-    study
+    cache
         Study with the folders of stored runs.
-    scenes
+    screw_records
         Stored results of the randomly drawn screws.
     """
-    kept = load_levels((*(study.stores or ()), shipped_store()))
+    kept = load_timed_level_runs((*(cache.reference_folders or ()), shipped_store()))
     if kept is None:
         return (
             Text(("Run times of mesh levels on drawn screws are not stored; `rollbench bench --drawn` measures them.",)),
         )
-    found = errors_and_times_of_models(kept.runs, scenes)
-    timed = [s for s in found if s.errors.size]
+    found = errors_and_times_of_models(kept.runs, screw_records)
+    timed = [s for s in found if s.gate_errors.size]
     about = (
         f"Mesh level 2 of the 3D reference was solved on {len({run.number for run in kept.runs})} screws, chosen at random "
         "with a fixed seed. The error of level 1 is its difference from level 2; the error of level 2 is not known from "
         "these runs. Times are processor times of one core. For a new screw they count from its geometry to its loads, "
         "with an empty mesh cache and without start and imports of Python; then for a further load case of the same screw. "
-        f"Times of the 3D reference were measured with {kept.measured}, {kept.date}; those of the models when all drawn "
+        f"Times of the 3D reference were measured with {kept.measuring_conditions}, {kept.date}; those of the models when "
+        "all drawn "
         "screws were solved."
     )
     rows: list[Row] = [
         {
             "model or mesh": s.name,
-            "screws": s.seconds.size,
-            "errors against": s.judged_by or "not known",
-            Quantity("median", "largest error by the gate's rule, median", "%", ".2f"): _percentile(s.errors, 50),
-            Quantity("p95", "by the gate's rule, 95th percentile", "%", ".2f"): _percentile(s.errors, 95),
-            Quantity("mean_median", "largest error, median", "% of mean", ".2f"): _percentile(s.of_mean, 50),
-            Quantity("mean_p95", "largest error, 95th percentile", "% of mean", ".2f"): _percentile(s.of_mean, 95),
-            Quantity("seconds", "new screw, median", "s", "g3"): _percentile(s.seconds, 50),
-            Quantity("slowest", "new screw, 95th percentile", "s", "g3"): _percentile(s.seconds, 95),
-            Quantity("further", "further load case, median", "s", "g3"): _percentile(s.further, 50),
+            "screws": s.first_case_seconds.size,
+            "errors against": s.reference_level or "not known",
+            TableColumn("median", "largest error by the gate's rule, median", "%", ".2f"): _percentile_or_none(
+                s.gate_errors, 50
+            ),
+            TableColumn("p95", "by the gate's rule, 95th percentile", "%", ".2f"): _percentile_or_none(s.gate_errors, 95),
+            TableColumn("mean_median", "largest error, median", "% of mean", ".2f"): _percentile_or_none(
+                s.errors_of_mean_load, 50
+            ),
+            TableColumn("mean_p95", "largest error, 95th percentile", "% of mean", ".2f"): _percentile_or_none(
+                s.errors_of_mean_load, 95
+            ),
+            TableColumn("seconds", "new screw, median", "s", "g3"): _percentile_or_none(s.first_case_seconds, 50),
+            TableColumn("slowest", "new screw, 95th percentile", "s", "g3"): _percentile_or_none(s.first_case_seconds, 95),
+            TableColumn("further", "further load case, median", "s", "g3"): _percentile_or_none(s.further_case_seconds, 50),
         }
         for s in found
     ]
@@ -153,10 +162,10 @@ def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple
         "Contact-load errors of models and 3D mesh levels over processor time, on randomly drawn screws"
         if coarse is None
         else "Contact loads on mesh levels 1 and 2 of the 3D reference differ by at most "
-        f"{_percentile(coarse.errors, 50):.2f} % (median of the drawn screws); level 1 takes "
-        f"{_percentile(coarse.seconds, 50):.0f} s per screw"
+        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} % (median of the drawn screws); level 1 takes "
+        f"{_percentile_or_none(coarse.first_case_seconds, 50):.0f} s per screw"
     )
-    counts = {s.judged_by: s.seconds.size for s in timed}
+    counts = {s.reference_level: s.first_case_seconds.size for s in timed}
     markers = " ".join(
         f"{shape}: {count} screws, compared with {by} of the 3D reference."
         for shape, (by, count) in zip(("Circles", "Squares"), counts.items(), strict=False)
@@ -168,7 +177,7 @@ def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple
     return (
         Figure("survey-levels", title, panels, caption, columns=2),
         Text((about,)),
-        Table.of(
+        Table.from_rows(
             "stability-levels",
             "Contact-load errors and run times of models and 3D mesh levels on randomly drawn screws",
             rows,
@@ -176,37 +185,42 @@ def error_and_time_items(study: Study, scenes: Sequence[survey.Record]) -> tuple
     )
 
 
-def _percentile(values: Array, percent: float) -> float | None:
+def _percentile_or_none(values: Array, percent: float) -> float | None:
     """Return a percentile of the numbers in ``values`` (``percent``: 0 to 100); None if the array is empty."""
     return float(np.percentile(values, percent)) if values.size else None
 
 
-def _error_over_time_panel(found: Sequence[ErrorsAndTimes], time: str, lin: Sequence[tuple[float, float]]) -> Panel:
+def _error_over_time_panel(
+    models: Sequence[LoadErrorsAndTimes], time_kind: str, printed_by_lin: Sequence[tuple[float, float]]
+) -> Panel:
     """Return the panel of largest contact-load errors of models and 3D mesh levels over processor time, on random screws.
 
     Parameters
     ----------
-    found
+    models
         Errors and times of each model or mesh level.
-    time
+    time_kind
         Abscissa: time for a "new screw" or for a "further load case" of a screw solved before.
-    lin
+    printed_by_lin
         Run time [s] and largest error [%] that Lin's thesis prints for its model, in case studies 1 and 2.
     """
-    new = time == "new screw"
-    places = [(float(np.median(s.seconds if new else s.further)), float(np.median(s.errors)), s) for s in found]
+    new = time_kind == "new screw"
+    places = [
+        (float(np.median(s.first_case_seconds if new else s.further_case_seconds)), float(np.median(s.gate_errors)), s)
+        for s in models
+    ]
     series = []
-    for by in dict.fromkeys(s.judged_by for s in found):
-        shown = [(x, y, s) for x, y, s in places if s.judged_by == by]
+    for by in dict.fromkeys(s.reference_level for s in models):
+        shown = [(x, y, s) for x, y, s in places if s.reference_level == by]
         series.append(
             Series(
-                f"{shown[0][2].seconds.size} screws, against {by}",
+                f"{shown[0][2].first_case_seconds.size} screws, against {by}",
                 [x for x, *_ in shown],
                 [y for _, y, _ in shown],
                 "markers",
-                emphasis=True,
-                bars=([y for _, y, _ in shown], [float(np.percentile(s.errors, 95)) for *_, s in shown]),
-                texts=[s.name for *_, s in shown],
+                bold=True,
+                error_bars=([y for _, y, _ in shown], [float(np.percentile(s.gate_errors, 95)) for *_, s in shown]),
+                point_labels=[s.name for *_, s in shown],
             )
         )
     edge: list[tuple[float, float]] = []
@@ -215,76 +229,96 @@ def _error_over_time_panel(found: Sequence[ErrorsAndTimes], time: str, lin: Sequ
             edge.append((x, y))
     series.append(Series("Pareto front", [x for x, _ in edge], [y for _, y in edge], "line"))
     if new:
-        series.append(Series("Lin's thesis, printed", [x for x, _ in lin], [y for _, y in lin], "markers", light=True))
+        series.append(
+            Series(
+                "Lin's thesis, printed",
+                [x for x, _ in printed_by_lin],
+                [y for _, y in printed_by_lin],
+                "markers",
+                pale=True,
+            )
+        )
     ends = [x for x, *_ in places]
     series.append(Series(f"{LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
-    label = f"processor time of a {time} / s"
-    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log="xy")
+    label = f"processor time of a {time_kind} / s"
+    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log_axes="xy")
 
 
-def _later_screws_items(first: list[dict[str, Any]], further: list[dict[str, Any]]) -> tuple[Text | Table, ...]:
+def _items_on_screws_drawn_later(
+    screws_known_before: list[dict[str, Any]], screws_drawn_later: list[dict[str, Any]]
+) -> tuple[Text | Table, ...]:
     """Return text and table that compare the refined model's errors on screws drawn before and after its last change.
 
     Parameters
     ----------
-    first
+    screws_known_before
         Stored results of the screws that were known while the model was developed.
-    further
+    screws_drawn_later
         Stored results of the screws drawn after its last change; if there are none, the returned tuple is empty.
     """
-    if not further:
+    if not screws_drawn_later:
         return ()
-    found = {"first screws": survey.model_accuracy(first), "further screws": survey.model_accuracy(further)}
+    found = {
+        "first screws": survey.model_accuracy_on_random_screws(screws_known_before),
+        "further screws": survey.model_accuracy_on_random_screws(screws_drawn_later),
+    }
     aims = f"error within {survey.WORST_AIM:g} % at the worst contact and {survey.RMS_AIM:g} % RMS"
     about = (
         "The further screws were drawn with the same seed and compared once, after the last change of the refined model. "
         "Their errors do not enter the estimate of the expected error."
     )
     rows: list[Row] = [
-        {"judged": f"{aims}, of the mean load", **{name: f"{a.within} of {a.screws}" for name, a in found.items()}},
+        {
+            "judged": f"{aims}, of the mean load",
+            **{name: f"{a.within_aims} of {a.screw_count}" for name, a in found.items()},
+        },
         {
             "judged": "largest error of a contact load / % of the mean load",
-            **{name: f"{a.largest:.2f}" for name, a in found.items()},
+            **{name: f"{a.largest_error:.2f}" for name, a in found.items()},
         },
         {
             "judged": "largest error not above the expected one",
-            **{name: f"{a.as_expected} of {a.screws}" for name, a in found.items()},
+            **{name: f"{a.within_expected_error} of {a.screw_count}" for name, a in found.items()},
         },
     ]
     title = "Contact-load errors of the refined model on screws drawn before and after its last change"
-    return Text((about,)), Table.of("stability-unseen", title, rows)
+    return Text((about,)), Table.from_rows("stability-unseen", title, rows)
 
 
-def _face_distances_and_errors(scenes: Sequence[Mapping[str, Any]], model: str) -> Array:
+def _nut_face_distances_and_errors(screw_records: Sequence[Mapping[str, Any]], model: str) -> Array:
     """Return, for n random screws, the distance of the outermost ball from a nut face and a model's largest load error.
 
-    ``scenes``: stored results of the screws. ``model``: name of the model. The array is (n, 2): distance [ball radii], and
-    largest contact-load error [% of the mean load].
+    ``screw_records``: stored results of the screws. ``model``: name of the model. The array is (n, 2): distance [ball
+    radii], and largest contact-load error [% of the mean load].
     """
     rows = [
         (min(r["low_face_radii"], r["high_face_radii"]), found["largest_percent"])
-        for r in scenes
+        for r in screw_records
         if (found := r.get("models", {}).get(model)) is not None
     ]
     return np.array(rows).reshape(-1, 2)
 
 
-def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
+def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw the histogram of the largest contact-load errors, and these errors over the distance of a ball from a nut face.
 
-    ``scenes``: stored results of the randomly drawn screws, with one largest error per screw and model. The distance is
-    that of the outermost ball.
+    ``screw_records``: stored results of the randomly drawn screws, with one largest error per screw and model. The distance
+    is that of the outermost ball.
     """
-    found = {model: errors for model in MODELS if (errors := _face_distances_and_errors(scenes, model)).size}
+    found = {model: errors for model in MODELS if (errors := _nut_face_distances_and_errors(screw_records, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
     edges = np.geomspace(0.999 * every.min(), 1.001 * every.max(), BINS + 1)
     bars = [Series(m, edges.tolist(), np.histogram(e[:, 1], edges)[0].tolist(), "steps") for m, e in found.items()]
     points = [Series(m, e[:, 0].tolist(), e[:, 1].tolist(), "markers") for m, e in found.items()]
     error = "largest error / % of the mean load"
     panels = (
-        Panel("Distribution of the error", error, "number of screws", bars, log="x", zero=True),
+        Panel("Distribution of the error", error, "number of screws", bars, log_axes="x", include_zero=True),
         Panel(
-            "Error near a nut face", "distance of the outermost ball from a nut face / ball radii", error, points, log="y"
+            "Error near a nut face",
+            "distance of the outermost ball from a nut face / ball radii",
+            error,
+            points,
+            log_axes="y",
         ),
     )
     near = "; ".join(f"{name}: {_median_errors_near_faces_text(errors)}" for name, errors in found.items())
@@ -292,7 +326,10 @@ def survey_figure(scenes: Sequence[Mapping[str, Any]]) -> Figure:
         f"Median contact-load error with the outermost ball up to, and beyond, {NEAR:g} ball radii from a nut face: {near}"
     )
     return Figure(
-        "survey", title, panels, f"{len(scenes)} randomly drawn screws. First panel: histogram on a logarithmic abscissa."
+        "survey",
+        title,
+        panels,
+        f"{len(screw_records)} randomly drawn screws. First panel: histogram on a logarithmic abscissa.",
     )
 
 
@@ -305,30 +342,30 @@ def _median_errors_near_faces_text(errors: Array) -> str:
     return " and ".join(f"{np.median(errors[one, 1]):.2g} %" for one in (near, ~near) if one.any())
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section on numerical stability: which formulations of the equations solve each stiff or extreme scene.
 
-    ``study`` is not used. ``step`` is called with each line of progress.
+    ``cache`` is not used. ``step`` is called with each line of progress.
     """
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:
             step(f"{done} of {total} cases ({case})")
 
-    rows = solve_all_hard_cases(progress)
-    counts = count_outcomes(rows)
+    rows = solve_all_hard_scenes(progress)
+    counts = count_expected_outcomes(rows)
     summary: list[Row] = [
         {"formulation": name, "solved": solved, "tried": tried, "cases": total}
         for name, (solved, tried, total) in counts.items()
     ]
     columns = (
-        Quantity("case", "case", "", "s"),
-        Quantity(ENERGY, "energy solver", "", "s"),
-        Quantity("iterations", "iterations", "", "s"),
-        Quantity("residual", "residual", "", "g2"),
-        Quantity("bound", "round-off bound", "", "g2"),
-        Quantity("difference", "difference of loads by the force formulation", "% of largest", "g2"),
-        *(Quantity(name, name, "", "s") for name in FORMULATIONS[1:]),
+        TableColumn("case", "case", "", "s"),
+        TableColumn(ENERGY, "energy solver", "", "s"),
+        TableColumn("iterations", "iterations", "", "s"),
+        TableColumn("residual", "residual", "", "g2"),
+        TableColumn("bound", "round-off bound", "", "g2"),
+        TableColumn("difference", "difference of loads by the force formulation", "% of largest", "g2"),
+        *(TableColumn(name, name, "", "s") for name in FORMULATIONS[1:]),
     )
     solved, _, total = counts[ENERGY]
     newton, applicable, _ = max(counts[name] for name in SOURCE)
@@ -347,7 +384,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "allows.",
                 )
             ),
-            Table.of("stability-summary", "Number of stiff and extreme scenes solved by each formulation", summary),
+            Table.from_rows("stability-summary", "Number of stiff and extreme scenes solved by each formulation", summary),
             Table(
                 "stability-cases",
                 "Solver status of each formulation of the equations on each stiff or extreme scene",
@@ -364,10 +401,10 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
                     "or rollers are checked node by node: beam, springs, Hertz' law, every ball.",
                 )
             ),
-            Table.of(
+            Table.from_rows(
                 "stability-campaign",
                 "Outcomes of solving random extreme screws, bearings and shafts",
-                campaign_rows(shipped_campaigns()),
+                campaign_table_rows(built_in_campaign_records()),
             ),
         ),
         conclusion=f"Energy minimisation solves {solved} of {total} stiff and extreme scenes from a cold start; "

@@ -19,7 +19,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report.several import INDEX, write_scene_pages
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.printing import CommandOutput
-from rollbench.reports.manifest import FILE, file_hashes, read_manifest, read_report_file, sha256
+from rollbench.reports.manifest import FILE, hashes_of_report_files, read_manifest, read_report_file, sha256
 from rollbench.reports.scene_page import html_without_manifest, read_page_data, results_hash
 
 #: Relative changes of a number [%] that are ignored: as round-off between pages, as solver tolerance between reports.
@@ -33,17 +33,19 @@ MOST = 6
 Tables = Mapping[str, list[dict[str, str]]]
 
 
-def read_tables(report: Path) -> Tables:
+def read_report_tables(report_folder_path: Path) -> Tables:
     """Read all tables of a report from its CSV files, and return their rows by name of the table.
 
-    ``report``: folder of the report. A row has the text of each cell by the heading of its column. Raises InputError for a
-    folder that does not contain a report, or a damaged file.
+    ``report_folder_path``: folder of the report. A row has the text of each cell by the heading of its column. Raises
+    InputError for a folder that does not contain a report, or a damaged file.
     """
-    if not (report / "index.html").is_file() or not (report / "tables").is_dir():
+    if not (report_folder_path / "index.html").is_file() or not (report_folder_path / "tables").is_dir():
         advice = "write a report to compare with: rollbench report"
-        raise ArgumentError("against", "a folder without a report", "the folder of a report", advice, str(report))
+        raise ArgumentError(
+            "against", "a folder without a report", "the folder of a report", advice, str(report_folder_path)
+        )
     by_name = {}
-    for path in sorted((report / "tables").glob("*.csv")):
+    for path in sorted((report_folder_path / "tables").glob("*.csv")):
         with open(path, encoding="utf-8", newline="") as stream:
             by_name[path.stem] = list(csv.DictReader(stream))
         damaged = next((k for k, row in enumerate(by_name[path.stem]) if None in (*row, *row.values())), None)
@@ -91,37 +93,37 @@ def _rows_by_text(rows: Sequence[dict[str, str]]) -> dict[str, dict[str, str]]:
     """Return the rows of a table by a key that consists of a row's first three cells with text; equal keys are numbered."""
     by_text: dict[str, dict[str, str]] = {}
     for row in rows:
-        texts = [cell for cell in row.values() if cell and _number_or_text(cell) is None]
+        texts = [cell for cell in row.values() if cell and _number_in_cell(cell) is None]
         key = ", ".join(text if len(text) <= 40 else f"{text[:37]}..." for text in texts[:3]) or "row"
         count = sum(known == key or known.startswith(f"{key} (") for known in by_text)
         by_text[f"{key} ({count + 1})" if count else key] = row
     return by_text
 
 
-def _number_or_text(text: str) -> float | None:
+def _number_in_cell(text: str) -> float | None:
     """Return the number in a table cell; None if the cell contains text."""
     with suppress(ValueError):
         return float(text)
     return None
 
 
-def _cell_difference(where: str, old: str | None, new: str | None) -> Iterator[str]:
+def _cell_difference(row_and_column: str, old: str | None, new: str | None) -> Iterator[str]:
     """Yield a line of text if the old and the new text of a cell differ, numbers by more than the tolerance `SAME`.
 
-    ``where``: row and column of the cell, for the line. A text of None means that the column does not exist.
+    ``row_and_column``: row and column of the cell, for the line. A text of None means that the column does not exist.
     """
     if old == new:
         return
     if old is None or new is None:
-        yield f"{where}: {'new column' if old is None else 'column removed'}"
+        yield f"{row_and_column}: {'new column' if old is None else 'column removed'}"
         return
-    a, b = _number_or_text(old), _number_or_text(new)
+    a, b = _number_in_cell(old), _number_in_cell(new)
     if a is None or b is None:
-        yield f"{where}: {old[:60] or 'nothing'} became {new[:60] or 'nothing'}"
+        yield f"{row_and_column}: {old[:60] or 'nothing'} became {new[:60] or 'nothing'}"
         return
     change = float(error_percent(b, a)) if a else float("inf")
     if not abs(change) <= SAME and abs(b - a) > 1e-12:
-        yield f"{where}: {a:.6g} became {b:.6g} ({change:+.3g} %)"
+        yield f"{row_and_column}: {a:.6g} became {b:.6g} ({change:+.3g} %)"
 
 
 @dataclass(frozen=True)
@@ -131,22 +133,25 @@ class HashCheck:
     #: Name of the input or file in the manifest.
     name: str
     #: Hash in the manifest; empty: the manifest does not name the file.
-    stated: str
+    hash_in_manifest: str
     #: Hash computed now; empty: the file is missing.
-    found: str
+    hash_now: str
 
     @property
-    def state(self) -> str:
+    def comparison_result(self) -> str:
         """Result of the comparison: "ok", "changed", "missing" or "added"."""
-        if not self.stated:
+        if not self.hash_in_manifest:
             return "added"
-        return "missing" if not self.found else "ok" if self.found == self.stated else "changed"
+        return "missing" if not self.hash_now else "ok" if self.hash_now == self.hash_in_manifest else "changed"
 
     @property
-    def line(self) -> str:
+    def terminal_line(self) -> str:
         """Line for the terminal: result of the comparison, name and hash."""
-        now = f", now {self.found[:16]}" if self.state == "changed" else ""
-        return f"{self.state:8} {escape_unprintable(self.name)} {escape_unprintable(self.stated[:16])}{now}"
+        now = f", now {self.hash_now[:16]}" if self.comparison_result == "changed" else ""
+        return (
+            f"{self.comparison_result:8} {escape_unprintable(self.name)} "
+            f"{escape_unprintable(self.hash_in_manifest[:16])}{now}"
+        )
 
 
 def report_folder(report: Path) -> Path:
@@ -167,13 +172,13 @@ def check_report_hashes(report: Path, stores: Sequence[Path]) -> Iterator[HashCh
         raise InputError(str(folder / FILE), "file", str(error), "a report's manifest", "write the report again") from None
     names = [name.removeprefix(SCENE) for name in manifest["inputs"] if name.startswith(SCENE)]
     texts = {name: catalogue.shipped_scene_text(name) for name in names if name in catalogue.scene_names()}
-    files = file_hashes(folder)
+    files = hashes_of_report_files(folder)
     for stated, computed in ((manifest["files"], files), (manifest["inputs"], hashes_of_report_inputs(stores, texts))):
         yield from (HashCheck(name, value, computed.get(name, "")) for name, value in stated.items())
     yield from (HashCheck(name, "", files[name]) for name in files.keys() - manifest["files"].keys())
 
 
-def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
+def read_scene_page(report: Path) -> tuple[str, dict[str, Any]]:
     """Read a page that `rollbench report SCENE` wrote: return its HTML text and the data that it contains.
 
     ``report``: path of the page or of its folder. The data are manifest, scene file and results, by the names "manifest",
@@ -188,17 +193,17 @@ def read_first_page(report: Path) -> tuple[str, dict[str, Any]]:
         raise InputError(str(path), "file", str(error), "a page with a manifest", advice) from None
 
 
-def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[HashCheck]:
+def check_page_hashes(html: str, page_data: dict[str, Any], stores: Sequence[Path]) -> Iterator[HashCheck]:
     """Compare every hash in a page's manifest (page, scene, results, code, stored runs) with the hash computed now.
 
-    ``html``: text of the page. ``blocks``: its manifest, scene file and results by these names. ``stores``: folders with
+    ``html``: text of the page. ``page_data``: its manifest, scene file and results by these names. ``stores``: folders with
     runs of the 3D reference.
     """
-    manifest = blocks["manifest"]
+    manifest = page_data["manifest"]
     carried = {
         "page": sha256(html_without_manifest(html)),
-        "scene": sha256(blocks["scene"]),
-        "results": results_hash(blocks["results"]),
+        "scene": sha256(page_data["scene"]),
+        "results": results_hash(page_data["results"]),
     }
     yield from (HashCheck(name, str(manifest.get(name) or "none"), computed) for name, computed in carried.items())
     for name, stated in dict(manifest.get("files", {})).items():
@@ -206,7 +211,7 @@ def check_page_hashes(html: str, blocks: dict[str, Any], stores: Sequence[Path])
         yield HashCheck(name, stated, sources_hash() if name == SOURCES else sha256(paths[0].read_bytes()) if paths else "")
 
 
-def verify_hashes(report: Path, store: Path) -> CommandOutput:
+def verify_report_hashes(report: Path, store: Path) -> CommandOutput:
     """Check all hashes of a report or page; return lines for the terminal and the exit code: 1 if any hash differs, else 0.
 
     ``report``: folder or first page of the report. ``store``: folder with runs of the 3D reference, used besides the
@@ -214,11 +219,11 @@ def verify_hashes(report: Path, store: Path) -> CommandOutput:
     """
     stores = (store, shipped_store(), report_folder(report))  # the last one: pages of several scenes
     whole = (report_folder(report) / FILE).is_file()
-    rows = list(check_report_hashes(report, stores) if whole else check_page_hashes(*read_first_page(report), stores))
-    shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
-    wrong = sum(row.state != "ok" for row in rows)
+    rows = list(check_report_hashes(report, stores) if whole else check_page_hashes(*read_scene_page(report), stores))
+    shown = [row for row in rows if not whole or row.comparison_result != "ok"]  # a whole report has hundreds
+    wrong = sum(row.comparison_result != "ok" for row in rows)
     count = f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}"
-    return CommandOutput(parts=[*(row.line for row in shown), count], code=1 if wrong else 0)
+    return CommandOutput(texts_and_tables=[*(row.terminal_line for row in shown), count], exit_code=1 if wrong else 0)
 
 
 def write_and_compare_pages(
@@ -249,7 +254,7 @@ def write_and_compare_pages(
     InputError
         If a scene, the earlier page or the file of loads cannot be used.
     """
-    before = None if against is None else read_first_page(against)[1]
+    before = None if against is None else read_scene_page(against)[1]
     pages = write_scene_pages(scenes, out, store, reference)
     parts = []
     for name, page in zip(scenes, pages, strict=True):
@@ -257,18 +262,22 @@ def write_and_compare_pages(
         parts += [*(f"WARNING: {said}{warning}" for warning in page.warnings), f"{said}{page.verdict}"]
     parts.append(f"page: {out / INDEX}")
     if before is not None:
-        after = read_first_page(out)[1]
+        after = read_scene_page(out)[1]
         lines = [
-            *result_differences(_reproducible_manifest(before["manifest"]), _reproducible_manifest(after["manifest"])),
+            *result_differences(
+                _manifest_without_run_specifics(before["manifest"]), _manifest_without_run_specifics(after["manifest"])
+            ),
             *result_differences(
                 _results_without_solver_report(before["results"]), _results_without_solver_report(after["results"])
             ),
         ]
         parts += lines or ["nothing changed"]
-    return CommandOutput(parts=parts, code=int(any(page.results["status"] != "converged" for page in pages)))
+    return CommandOutput(
+        texts_and_tables=parts, exit_code=int(any(page.results["status"] != "converged" for page in pages))
+    )
 
 
-def _reproducible_manifest(manifest: dict[str, Any]) -> dict[str, Any]:
+def _manifest_without_run_specifics(manifest: dict[str, Any]) -> dict[str, Any]:
     """Return a page's manifest without the entries that change in every run: date, and hashes of page and results."""
     kept = {key: value for key, value in manifest.items() if key not in ("page", "results")}
     return kept | {"provenance": {k: v for k, v in manifest["provenance"].items() if k != "date"}}

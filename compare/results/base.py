@@ -134,7 +134,7 @@ class Record(ABC):
         """
 
     @property
-    def _shown(self) -> str:
+    def _shown_path(self) -> str:
         """Path (keys joined by dots) to the part of the JSON that `table` shows; empty for the whole JSON."""
         return ""
 
@@ -162,7 +162,7 @@ class Record(ABC):
             If a key does not exist; the message lists the available keys.
         """
         warn_of_deprecation(f"result[{path!r}]", "its fields, in SI units, or result.to_dict()")
-        return self._at(path)
+        return self._json_value_at(path)
 
     @property
     def data(self) -> dict[str, JSON]:
@@ -203,7 +203,7 @@ class Record(ABC):
         except ImportError as error:
             raise ImportError("quantities with units need the package pint: pip install pint") from error
 
-        value = self._at(path)
+        value = self._json_value_at(path)
         keys = reversed(path.split("."))  # a table of one unit has it in its own name
         unit = next((unit for key in keys if (unit := name_and_unit_of_key(key)[1]) is not None), None)
         if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
@@ -238,7 +238,7 @@ class Record(ABC):
         """
         from rollbench.compare.results.definitions import definition
 
-        self._at(path)
+        self._json_value_at(path)
         stated = definition(path)
         return "" if stated is None else stated.definition + (f"; its error: {stated.error}" if stated.error else "")
 
@@ -257,7 +257,7 @@ class Record(ABC):
         """
         return [
             Row(name, _format_cell_value(value), unit)
-            for name, value, unit in _flatten_json_values(self._at(self._shown), "")
+            for name, value, unit in _flatten_json_values(self._json_value_at(self._shown_path), "")
         ]
 
     def __str__(self) -> str:
@@ -272,7 +272,7 @@ class Record(ABC):
             f"<p>{html.escape(note)}</p>" for note in self._notes
         )
 
-    def _at(self, path: str) -> JSON:
+    def _json_value_at(self, path: str) -> JSON:
         """Return the JSON value at a path, which consists of keys joined by dots; an empty path gives all values.
 
         Raises KeyError, with the available keys, if a key does not exist.

@@ -9,37 +9,37 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.gate.user import references_from_file, stored_reference_of_set
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import Referenced, stored_references, suitable_models
-from rollbench.compare.models.load_cases import life_over_cycle
+from rollbench.compare.models.comparison import SceneWithReference, models_shown_for_scene, stored_references
+from rollbench.compare.models.load_cases import rating_life_over_duty_cycle
 from rollbench.compare.models.registry import Model
 from rollbench.compare.quantities import json_number, record_as_json
-from rollbench.compare.reference.jobs import Engine, ensure, plan_tasks
+from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, plan_tasks
 from rollbench.compare.reference.levels import ADVISED, SOURCE_LEVEL
 from rollbench.compare.reference.store import Run, shipped_store
-from rollbench.compare.reference.tasks import Solvable, Task
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.compared import (
-    ComparedLoads,
-    SetComparison,
+    LoadsWithErrors,
+    NutOrBearingComparison,
     compare_models_with_reference,
     comparison_verdict_sentence,
-    loads_and_rigidities,
+    loads_and_rigidities_json,
     model_and_reference_rows,
 )
 from rollbench.compare.results.solved import ExpectedError, expected_error_record
-from rollbench.compare.scenes.duty_cycle import CaseOfCycle, Described, DutyCycle, load_cases_by_scene_name
-from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+from rollbench.compare.scenes.duty_cycle import Described, DutyCycle, LoadCaseOfDutyCycle, load_cases_by_scene_name
+from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Comparisons, by the name of the load case and the name of the nut or bearing.
-ByCase = Mapping[tuple[str, str], SetComparison]
+ByCase = Mapping[tuple[str, str], NutOrBearingComparison]
 #: Pairs of a reference and the comparison with it, one for each nut or bearing.
-Pairs = Sequence[tuple[Referenced, SetComparison]]
+Pairs = Sequence[tuple[SceneWithReference, NutOrBearingComparison]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -160,7 +160,7 @@ class Comparison(Record):
     """Comparison of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Comparison] = field(default_factory=dict)
     """Comparison of each load case, by name; empty without load cases."""
-    compared: tuple[tuple[Referenced, SetComparison], ...] = ()
+    compared: tuple[tuple[SceneWithReference, NutOrBearingComparison], ...] = ()
     """Records of the computation with further details: reference and comparison of each load case and nut or bearing."""
     described: Described | None = None
     """The compared scene; None for a load case, or for one of several nuts or bearings."""
@@ -186,11 +186,16 @@ class Comparison(Record):
         return add_schema_version(self._json())
 
     def _json(self) -> dict[str, Any]:
-        results = [_set_comparison_json(whole, one) | set_keys(one) for one, whole in self.compared]
+        results = [_comparison_json(whole, one) | scene_and_set_keys(one) for one, whole in self.compared]
         if isinstance(self.described, DutyCycle):
             cases = load_cases_by_scene_name([self.described])
-            rows = [row | cases[one.described].keys for row, (one, _) in zip(results, self.compared, strict=True)]
-            whole = cycle_summaries_json(self.described, {(one.described, one.set): each for one, each in self.compared})
+            rows = [
+                row | cases[one.described_scene_name].identifying_values
+                for row, (one, _) in zip(results, self.compared, strict=True)
+            ]
+            whole = cycle_summaries_json(
+                self.described, {(one.described_scene_name, one.set_name): each for one, each in self.compared}
+            )
             summary = whole[0] if len(whole) == 1 else {row["set"]: row for row in whole}
             return {"scene": self.scene, "summary": summary, "cases": rows}
         return {"scene": self.scene, "sets": results} if self.sets else results[0]
@@ -210,7 +215,7 @@ class Comparison(Record):
             another.
         """
         return [
-            (", ".join(filter(None, (one.found.scene * (len(self.compared) > 1), name))), *row)
+            (", ".join(filter(None, (one.reference.scene * (len(self.compared) > 1), name))), *row)
             for one, whole in self.compared
             for name, *row in model_and_reference_rows(whole)[1]
         ]
@@ -244,58 +249,73 @@ def make_comparison(described: Described, pairs: Pairs, warnings: Sequence[str])
         The combined record.
     """
     if not isinstance(described, DutyCycle):
-        return _combine_set_comparisons(described.name, described, pairs, warnings)
+        return _combine_comparisons_of_scene(described.name, described, pairs, warnings)
     by_case = {
-        case.name: [(one, whole) for one, whole in pairs if one.described == case.scene.name] for case in described.cases
+        case.name: [(one, whole) for one, whole in pairs if one.described_scene_name == case.scene.name]
+        for case in described.cases
     }
     return Comparison(
         scene=described.name,
-        verdict="\n".join(comparison_verdict_sentence(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
         warnings=tuple(warnings),
-        cases={name: _combine_set_comparisons(name, None, its, ()) for name, its in by_case.items()},
+        cases={name: _combine_comparisons_of_scene(name, None, its, ()) for name, its in by_case.items()},
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _combine_set_comparisons(name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]) -> Comparison:
+def _combine_comparisons_of_scene(
+    name: str, described: Described | None, pairs: Pairs, warnings: Sequence[str]
+) -> Comparison:
     """Combine the comparisons of all nuts and bearings of a scene with one load case into one record.
 
     ``name``: name of the scene or load case. ``described``: the scene; None for one of several load cases. ``pairs``:
     reference and comparison of each nut or bearing.
     """
     first, whole = pairs[0]
-    if first.of is None:
-        return _comparison_of_single_set(name, first, whole, described, warnings)
+    if first.place_on_shaft is None:
+        return _comparison_of_one_nut_or_bearing(name, first, whole, described, warnings)
     return Comparison(
         scene=name,
-        verdict="\n".join(comparison_verdict_sentence(whole, one.found) for one, whole in pairs),
+        verdict="\n".join(comparison_verdict_sentence(whole, one.reference) for one, whole in pairs),
         warnings=tuple(warnings),
-        sets={one.set: _comparison_of_single_set(one.found.scene, one, whole, None, ()) for one, whole in pairs},
+        sets={
+            one.set_name: _comparison_of_one_nut_or_bearing(one.reference.scene, one, whole, None, ())
+            for one, whole in pairs
+        },
         compared=tuple(pairs),
         described=described,
     )
 
 
-def _comparison_of_single_set(
-    name: str, referenced: Referenced, comparison: SetComparison, described: Described | None, warnings: Sequence[str]
+def _comparison_of_one_nut_or_bearing(
+    name: str,
+    referenced: SceneWithReference,
+    comparison: NutOrBearingComparison,
+    described: Described | None,
+    warnings: Sequence[str],
 ) -> Comparison:
     """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
 
     ``name``: name of the comparison. ``referenced``: the reference. ``comparison``: the comparison. ``described``: the
     scene; None for a load case, or for one of several nuts or bearings.
     """
-    found, t = referenced.found, comparison.total
+    found, t = referenced.reference, comparison.uncertainty
     return Comparison(
         scene=name,
         verdict=comparison_verdict_sentence(comparison, found),
         warnings=tuple(warnings),
-        reference=Loads(**_loads_record_fields(comparison.itself)),
+        reference=Loads(**_loads_record_fields(comparison.reference_loads)),
         levels=found.levels,
         unsettled=found.unsettled,
         uncertainties=found.uncertainty,
         uncertainty=Uncertainty(
-            t.percent, t.discretisation, None if t.choices is None else t.choices.percent, t.inputs, t.second_order, t.text
+            t.percent,
+            t.discretisation,
+            None if t.choices is None else t.choices.percent,
+            t.inputs,
+            t.second_order,
+            t.uncertainty_text,
         ),
         models={b.label: _model_loads_record(b, referenced) for b in comparison.models},
         expected_error=expected_error_record(comparison.expected),
@@ -304,46 +324,48 @@ def _comparison_of_single_set(
     )
 
 
-def _loads_record_fields(compared_loads: ComparedLoads) -> dict[str, Any]:
+def _loads_record_fields(compared_loads: LoadsWithErrors) -> dict[str, Any]:
     """Return the fields of a `Loads` record, by name, for a model or the 3D reference.
 
     ``compared_loads``: its contact loads, whose angles are converted to radians.
     """
-    life = compared_loads.found.life
+    life = compared_loads.derived_results.life
     return {
         "name": compared_loads.label,
-        "loads": compared_loads.answer.load,
-        "angles": np.where(compared_loads.answer.load > 0.0, np.radians(compared_loads.answer.angle), np.nan),
+        "loads": compared_loads.contact_loads.load,
+        "angles": np.where(compared_loads.contact_loads.load > 0.0, np.radians(compared_loads.contact_loads.angle), np.nan),
         "pressure": compared_loads.pressure,
-        "displacement": compared_loads.displacement,
+        "displacement": compared_loads.axial_displacement,
         "L10": None if life is None else 1e6 * life.revolutions,
-        "seconds": compared_loads.answer.seconds or None,
-        "measured": compared_loads.answer.measured,
+        "seconds": compared_loads.contact_loads.seconds or None,
+        "measured": compared_loads.contact_loads.measured,
     }
 
 
-def _model_loads_record(compared_loads: ComparedLoads, referenced: Referenced) -> ModelLoads:
+def _model_loads_record(compared_loads: LoadsWithErrors, referenced: SceneWithReference) -> ModelLoads:
     """Return the contact loads of the model ``compared_loads`` with their errors against the reference ``referenced``."""
     assert compared_loads.error is not None, "a model has errors"
-    errors = np.asarray(error_percent(compared_loads.answer.load, referenced.found.load, referenced.found.mean))
+    errors = np.asarray(
+        error_percent(compared_loads.contact_loads.load, referenced.reference.load, referenced.reference.mean)
+    )
     e = compared_loads.error
     return ModelLoads(
         **_loads_record_fields(compared_loads),
         errors=errors,
         largest_error=e.max_percent,
         rms_error=e.rms_percent,
-        gate_error=compared_loads.by_gate,
+        gate_error=compared_loads.gate_error_percent,
         ball=e.ball,
         side=e.side,
     )
 
 
-def _set_comparison_json(comparison: SetComparison, referenced: Referenced) -> dict[str, Any]:
+def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
     """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
 
     ``comparison``: the comparison. ``referenced``: the reference.
     """
-    found = referenced.found
+    found = referenced.reference
     return {
         "scene": found.scene,
         "levels": list(found.levels),
@@ -352,38 +374,38 @@ def _set_comparison_json(comparison: SetComparison, referenced: Referenced) -> d
             b.label: {
                 "largest_error_percent": None if b.error is None else b.error.max_percent,
                 "rms_error_percent": None if b.error is None else b.error.rms_percent,
-                "largest_load_N": float(b.answer.load.max(initial=0.0)),
+                "largest_load_N": float(b.contact_loads.load.max(initial=0.0)),
                 "pressure_MPa": 1e-6 * b.pressure,
-                "displacement_um": json_number(1e6 * b.displacement),
+                "displacement_um": json_number(1e6 * b.axial_displacement),
             }
             for b in comparison.models
         },
-        "answers": {b.label: loads_and_rigidities(b) for b in (comparison.itself, *comparison.models)},
+        "answers": {b.label: loads_and_rigidities_json(b) for b in (comparison.reference_loads, *comparison.models)},
     }
 
 
 @dataclass(frozen=True)
-class PreparedComparison:
+class ComparisonInput:
     """Input of a comparison: scenes, their references and the models to compare; its method computes the comparisons."""
 
-    described: Sequence[Described]
+    scenes_as_given: Sequence[Described]
     """Scenes as the user gave them, with all load cases."""
     scenes: Sequence[Solvable]
     """Scenes with one load case each."""
-    references: Sequence[Sequence[Referenced]]
+    references: Sequence[Sequence[SceneWithReference]]
     """References of each of `scenes`, one for each nut or bearing."""
     models: Sequence[Model]
     """Models to compare; if empty, all models that suit each scene."""
     stores: Sequence[Path]
     """Folders with runs of the 3D reference."""
-    failed: Sequence[Run]
+    failed_runs: Sequence[Run]
     """Runs of the 3D reference that did not converge."""
     warnings: Sequence[str]
     """Warnings from reading a reference file."""
-    own: bool
+    from_user_file: bool
     """Whether the references come from a file of the user, not from the 3D reference."""
 
-    def compare_each_set(self) -> Iterator[tuple[Referenced, SetComparison]]:
+    def compare_each(self) -> Iterator[tuple[SceneWithReference, NutOrBearingComparison]]:
         """Yield the comparison of the models with each reference, one nut or bearing after the other.
 
         Yields
@@ -396,8 +418,8 @@ class PreparedComparison:
         Refusal
             If a scene has no reference.
         """
-        return compare_each_set(
-            self.scenes, self.references, self.models, self.stores, self.failed, from_user_file=self.own
+        return compare_each_nut_or_bearing(
+            self.scenes, self.references, self.models, self.stores, self.failed_runs, from_user_file=self.from_user_file
         )
 
 
@@ -405,7 +427,7 @@ def prepare_comparison(
     described: Sequence[Described],
     origins: Sequence[str],
     models: Sequence[Model],
-    engine: Engine,
+    engine: ComputingSettings,
     step: Callable[[str], None],
     *,
     store: Path,
@@ -413,7 +435,7 @@ def prepare_comparison(
     otherwise: Sequence[int] = ADVISED,
     fresh: bool = False,
     reference: Path | None = None,
-) -> PreparedComparison:
+) -> ComparisonInput:
     """Look up the references of scenes and their load cases, and compute missing runs of the 3D reference.
 
     Parameters
@@ -442,7 +464,7 @@ def prepare_comparison(
 
     Returns
     -------
-    PreparedComparison
+    ComparisonInput
         Scenes and references; the method `compare_each_set` of this record computes the comparisons.
 
     Raises
@@ -450,34 +472,34 @@ def prepare_comparison(
     rollbench.InputError
         If a scene or file cannot be used.
     """
-    scenes: list[Solvable] = [
-        x for one, name in zip(described, origins, strict=True) for x in scenes_of_load_cases(one, name)
-    ]
+    scenes: list[Solvable] = [x for one, name in zip(described, origins, strict=True) for x in scenes_to_solve(one, name)]
     stores, warnings = (store, shipped_store()), list[str]()
     if reference is not None:
-        names = {name: case.case.name for name, case in load_cases_by_scene_name(described).items()}
+        names = {name: case.load_case.name for name, case in load_cases_by_scene_name(described).items()}
         given = read_user_references(scenes, reference, names, warnings)
-        return PreparedComparison(described, scenes, given, models, stores, (), warnings, own=True)
+        return ComparisonInput(described, scenes, given, models, stores, (), warnings, from_user_file=True)
     without = [s for s in scenes if not stored_references(s, stores)] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
         wanted = levels or otherwise
 
-        def first(task: Task) -> None:
+        def first(task: ReferenceTask) -> None:
             """Print the errors against the coarsest mesh level as soon as its run is stored; finer levels follow."""
             for scene in task.scenes if task.level == min(set(wanted) - {SOURCE_LEVEL}) else ():
                 for one in stored_references(scene, (store,), (task.level,)):
                     whole = compare_models_with_reference(
-                        one.scene, (models or suitable_models(scene))[:1], one.found, stores, one.of
+                        one.scene, (models or models_shown_for_scene(scene))[:1], one.reference, stores, one.place_on_shaft
                     )
                     step(
-                        f"{one.found.scene}, against mesh level {task.level} only: "
-                        f"{comparison_verdict_sentence(whole, one.found)}"
+                        f"{one.reference.scene}, against mesh level {task.level} only: "
+                        f"{comparison_verdict_sentence(whole, one.reference)}"
                     )
 
-        tasks = plan_tasks(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
-        failed = ensure(tasks, store, engine, step, stores, fresh=fresh, stored=first)
-    return PreparedComparison(
+        tasks = plan_tasks(without, [k for k in wanted if k != SOURCE_LEVEL], with_source_mesh=SOURCE_LEVEL in wanted)
+        failed = ensure_runs_are_stored(
+            tasks, store, engine, step, stores, compute_again=fresh, after_each_stored_task=first
+        )
+    return ComparisonInput(
         described,
         scenes,
         [stored_references(scene, stores) for scene in scenes],
@@ -485,11 +507,11 @@ def prepare_comparison(
         stores,
         failed,
         warnings,
-        own=False,
+        from_user_file=False,
     )
 
 
-def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
+def unconverged_error(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
     """Return the error to raise for a scene of which no run of the 3D reference converged.
 
     Parameters
@@ -507,18 +529,18 @@ def unconverged_error(name: str, failed: Sequence[Run]) -> Refusal:
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
     reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
     advice = "correct the scene as the status of the runs suggests, or solve it with a low-order model"
-    return Refusal(name, "3D reference", reason, advice)
+    return SceneNotCoveredError(name, "3D reference", reason, advice)
 
 
-def compare_each_set(
+def compare_each_nut_or_bearing(
     scenes: Sequence[Solvable],
-    references: Sequence[Sequence[Referenced]],
+    references: Sequence[Sequence[SceneWithReference]],
     models: Sequence[Model],
     stores: Sequence[Path],
     failed: Sequence[Run],
     *,
     from_user_file: bool,
-) -> Iterator[tuple[Referenced, SetComparison]]:
+) -> Iterator[tuple[SceneWithReference, NutOrBearingComparison]]:
     """Yield the comparison of models with each reference, one nut or bearing after the other.
 
     Parameters
@@ -553,13 +575,15 @@ def compare_each_set(
             ours = stored_reference_of_set(one, stores) if from_user_file else None
             yield (
                 one,
-                compare_models_with_reference(one.scene, models or suitable_models(scene), one.found, stores, one.of, ours),
+                compare_models_with_reference(
+                    one.scene, models or models_shown_for_scene(scene), one.reference, stores, one.place_on_shaft, ours
+                ),
             )
 
 
 def read_user_references(
     scenes: Sequence[Solvable], path: Path, cases: Mapping[str, str], warnings: list[str]
-) -> list[list[Referenced]]:
+) -> list[list[SceneWithReference]]:
     """Read a user's file of reference loads for a scene or its load cases.
 
     Parameters
@@ -592,7 +616,7 @@ def read_user_references(
     return references
 
 
-def set_keys(referenced: Referenced) -> dict[str, str]:
+def scene_and_set_keys(referenced: SceneWithReference) -> dict[str, str]:
     """Return the JSON keys "scene" and "set", with names, that identify one of several nuts or bearings in a comparison.
 
     Parameters
@@ -605,10 +629,14 @@ def set_keys(referenced: Referenced) -> dict[str, str]:
     dict
         Names of the scene and of the nut or bearing; empty if the scene has only one.
     """
-    return {} if referenced.of is None else {"scene": referenced.of.assembly.name, "set": referenced.of.name}
+    return (
+        {}
+        if referenced.place_on_shaft is None
+        else {"scene": referenced.place_on_shaft.assembly.name, "set": referenced.place_on_shaft.name}
+    )
 
 
-def distinct_duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle]:
+def distinct_duty_cycles(cases: Mapping[str, LoadCaseOfDutyCycle]) -> Iterable[DutyCycle]:
     """Return the duty cycles to which the given load cases belong.
 
     Parameters
@@ -621,7 +649,7 @@ def distinct_duty_cycles(cases: Mapping[str, CaseOfCycle]) -> Iterable[DutyCycle
     iterable of DutyCycle
         The duty cycles, each of them once.
     """
-    return {case.cycle.name: case.cycle for case in cases.values()}.values()
+    return {case.duty_cycle.name: case.duty_cycle for case in cases.values()}.values()
 
 
 @result_record
@@ -676,8 +704,8 @@ def _cycle_summary_of_set(cycle: DutyCycle, name: str, each: ByCase) -> dict[str
     error, worst = max(errors, default=(None, None))
     lives = {}
     for label in ("3D reference", *(b.label for b in by_case[0][1].models)):
-        of_case = [{b.label: b for b in (whole.itself, *whole.models)}.get(label) for _, whole in by_case]
-        rated, _ = life_over_cycle(cycle, name, [None if b is None else b.answer.load for b in of_case])
+        of_case = [{b.label: b for b in (whole.reference_loads, *whole.models)}.get(label) for _, whole in by_case]
+        rated, _ = rating_life_over_duty_cycle(cycle, name, [None if b is None else b.contact_loads.load for b in of_case])
         lives[label] = None if rated is None else json_number(rated.revolutions)
     predicted, reference = lives[by_case[0][1].judged_model.label], lives["3D reference"]
     off = None if predicted is None or reference is None else float(error_percent(predicted, reference))

@@ -35,7 +35,7 @@ class Data(Record):
         return add_schema_version(self.values)
 
     @property
-    def _shown(self) -> str:
+    def _shown_path(self) -> str:
         return self.shown
 
     @property

@@ -8,10 +8,10 @@ from functools import cache
 from typing import NamedTuple
 
 from rollbench.compare.gate.verdict import Verdict
-from rollbench.compare.models.answers import AxisAnswers, LoadAnswers
-from rollbench.compare.models.load_cases import AxisDrive, CycleResults, Lives, SetDrive
-from rollbench.compare.models.loading import LiftOff, LoadPath, LoadTaker, Preload
-from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.answers import ContactLoadResults, ShaftResults
+from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, LivesOverDutyCycle, ShaftTorqueOfNutOrBearing
+from rollbench.compare.models.loading import LiftOff, LoadPath, Preload, SupportShare
+from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.models.uncertainty import LoadUncertainty
 from rollbench.compare.results import scene_json
 from rollbench.compare.results.comparison import CycleSummary, ModelLoads, Uncertainty
@@ -31,14 +31,14 @@ from rollbench.compare.results.solved import ExpectedError
 from rollbench.compare.results.table import TableRow
 from rollbench.compare.scenes.duty_cycle import LoadCase
 from rollbench.lowfi.bearings.tapered_roller import RibContact
-from rollbench.lowfi.bearings.torque import BallTorque, LoadTorque, RollerTorque
+from rollbench.lowfi.bearings.torque import BallBearingTorque, PalmgrenLoadTorque, RollerBearingTorque
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
-from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
+from rollbench.lowfi.rating.contacts import BallContact, EllipseTruncation, Ratings, RollerContact, StaticSafety
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
-from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
-from rollbench.lowfi.rating.rigidity import Rigidities
+from rollbench.lowfi.rating.life import BasicRatingLife, EquivalentLoadLife, SystemLife
+from rollbench.lowfi.rating.rigidity import AxialRigidities
 from rollbench.lowfi.statics.result import Equilibrium, HousingResult, SetResult, SolverReport
-from rollbench.meshes.one_arc import Clearance
+from rollbench.meshes.one_arc import InternalClearance
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
 
@@ -68,23 +68,23 @@ TABLES = (
         "Contact loads are normal forces between a ball and one groove flank. `compare` measures their error, and "
         "`expected_error_percent` estimates it, in per cent of the mean load.",
         (
-            ("balls[].", scene_json.BallRow),
-            ("loads.", scene_json.BallLoadSums),
-            ("loads.", scene_json.RollerLoadSums),
-            ("rollers[].", scene_json.RollerRowAnswer),
-            ("sides.FLANK.", scene_json.FlankLoadSums),
+            ("balls[].", scene_json.BallResult),
+            ("loads.", scene_json.BallLoadSummary),
+            ("loads.", scene_json.RollerLoadSummary),
+            ("rollers[].", scene_json.RollerResult),
+            ("sides.FLANK.", scene_json.FlankLoadSummary),
         ),
     ),
     DefinitionTable(
         "Displacement and rigidity",
         "",
         (
-            ("axial.", scene_json.Axial),
+            ("axial.", scene_json.AxialResults),
             ("load_path.", LoadPath),
-            ("load_path.supports[].", LoadTaker),
-            ("", Rigidities),
-            ("stiffness.", scene_json.StiffnessAt),
-            ("centreline[].", scene_json.CentrelinePoint),
+            ("load_path.supports[].", SupportShare),
+            ("", AxialRigidities),
+            ("stiffness.", scene_json.StiffnessAtPosition),
+            ("centreline[].", scene_json.AxisPointDisplacement),
         ),
     ),
     DefinitionTable(
@@ -107,11 +107,11 @@ TABLES = (
         "For the contact with the highest pressure, from its load and curvatures by Hertz's theory: an elliptical contact "
         "of a ball, a rectangular contact of a roller.",
         (
-            ("worst_contact.", Contact),
+            ("worst_contact.", BallContact),
             ("worst_contact.", RollerContact),
             ("rib_contact.", RibContact),
-            ("clearance.", Clearance),
-            ("truncation.", Truncation),
+            ("clearance.", InternalClearance),
+            ("truncation.", EllipseTruncation),
             ("static_safety.", StaticSafety),
         ),
     ),
@@ -120,16 +120,16 @@ TABLES = (
         "By ISO 281 and ISO/TS 16281 for bearings and ISO 3408-5 for screws, computed from the geometry of these parts, "
         "not taken from a catalogue; the theory is in [](../theory/rating.md).",
         (
-            ("life.", Life),
+            ("life.", BasicRatingLife),
             ("modified_life.", ModifiedLife),
             ("reference_life.", ReferenceLife),
             ("ratings.", Ratings),
             ("shaft.", ShaftLimits),
-            ("", LoadAnswers),
+            ("", ContactLoadResults),
             ("preload.", Preload),
-            ("starting_torque.", LoadTorque),
+            ("starting_torque.", PalmgrenLoadTorque),
             ("axis_life.", SystemLife),
-            ("roller_torque.", RollerTorque),
+            ("roller_torque.", RollerBearingTorque),
             ("contact_lost.", LiftOff),
         ),
     ),
@@ -141,9 +141,9 @@ TABLES = (
             ("band.", FrictionBand),
             ("onset.", FrictionOnset),
             ("play.", FrictionPlay),
-            ("bearing_torque.", BallTorque),
+            ("bearing_torque.", BallBearingTorque),
             ("drive.", AxisDrive),
-            ("drive.sets[].", SetDrive),
+            ("drive.sets[].", ShaftTorqueOfNutOrBearing),
             ("", Friction),
             ("", FrictionBall),
         ),
@@ -153,7 +153,7 @@ TABLES = (
         "An error is 100 (value - reference)/|reference| (`compare/measure.py`). The error of a contact load is in per "
         "cent of the reference's mean load unless a name says otherwise.",
         (
-            ("model_form.", ModelForm),
+            ("model_form.", ExpectedModelErrors),
             ("", ModelLoads),
             ("", ExpectedError),
             ("", Uncertainty),
@@ -170,7 +170,7 @@ TABLES = (
         (
             ("sets[].", SetResult),
             ("housings[].", HousingResult),
-            ("summary.", AxisAnswers),
+            ("summary.", ShaftResults),
             ("statistics.*.", Statistics),
             ("", Ensemble),
         ),
@@ -181,9 +181,9 @@ TABLES = (
         "only, and a summary of all cases.",
         (
             ("", LoadCase),
-            ("summary.", CycleResults),
-            ("", Lives),
-            ("standard_life.", EquivalentLife),
+            ("summary.", DutyCycleResults),
+            ("", LivesOverDutyCycle),
+            ("standard_life.", EquivalentLoadLife),
             ("summary.", FrictionCases),
             ("summary[].", CycleSummary),
         ),

@@ -12,12 +12,12 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.models.answers import friction_without_compiling
-from rollbench.compare.models.loading import displacement_at_stated_position, scale_loads
-from rollbench.compare.models.registry import Options, default_model, run_model
+from rollbench.compare.models.loading import displacement_at_scene_position, with_scaled_loads
+from rollbench.compare.models.registry import ModelOptions, default_model_name, run_model
 from rollbench.compare.quantities import record_as_json
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
-from rollbench.lowfi.warned import Warned, join_brief_warnings
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Load, Scene
@@ -193,7 +193,7 @@ class LoadCurve(Record):
         error="that of the rigidity",
     )
     points: tuple[CurvePoint, ...] = quantity_field("points")
-    warnings: tuple[Warned, ...] = quantity_field("warnings")
+    warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
     """Warnings about the solutions at the two ends of the curve."""
     assumed: tuple[str, ...] = quantity_field("assumed")
 
@@ -219,19 +219,19 @@ class LoadCurve(Record):
 
 
 @dataclass(frozen=True)
-class _StateAtLoad:
+class _SolutionAtLoad:
     """Solution of the scene under one load of a load curve."""
 
     scene: Scene | Assembly
     result: StaticResult | AxisResult
     #: Displacement of the loaded point along the force [m]; nan without equilibrium.
-    moved: float = math.nan
+    displacement: float = math.nan
     #: Largest contact load [N]; nan without equilibrium.
-    largest: float = math.nan
+    largest_load: float = math.nan
 
 
 def compute_load_curve(
-    scene: Scene | Assembly, course: LoadRange, model: str = "", options: Options | None = None
+    scene: Scene | Assembly, course: LoadRange, model: str = "", options: ModelOptions | None = None
 ) -> LoadCurve:
     """Solve a scene over a range of loads, for displacement, stiffness and backlash.
 
@@ -265,17 +265,17 @@ def compute_load_curve(
     Near the first contact the displacement is u_0 + c F^(2/3) (Hertz). So the end of the backlash is
     u_0 = (4 u(F/8) - u(F))/3 for a vanishing force F.
     """
-    model, options = model or default_model(scene), replace(options or Options(), discretisation=False)
-    loaded, direction, at, unit = _load_application(scene, course)
+    model, options = model or default_model_name(scene), replace(options or ModelOptions(), estimate_beam_mesh_error=False)
+    loaded, direction, at, unit = _load_function_and_direction(scene, course)
 
     @cache
-    def state(value: float) -> _StateAtLoad:
+    def state(value: float) -> _SolutionAtLoad:
         here = loaded(value)
         result = run_model(here, model, options)
         if not result.converged:
-            return _StateAtLoad(here, result)
+            return _SolutionAtLoad(here, result)
         loads = [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
-        return _StateAtLoad(
+        return _SolutionAtLoad(
             here,
             result,
             float(np.dot(_displacement_at_load_point(here, result, at)[:3], direction)),
@@ -283,15 +283,15 @@ def compute_load_curve(
         )
 
     bare = state(0.0)
-    pressed = bare.largest > 0.0
-    start = bare.moved if pressed else 0.0
+    pressed = bare.largest_load > 0.0
+    start = bare.displacement if pressed else 0.0
     top = max(map(abs, course.values))
-    ends, words = _backlash_limits(course, lambda f: state(f).moved, top)
+    ends, words = _backlash_limits(course, lambda f: state(f).displacement, top)
     lash = None if ends is None else ends[1] - ends[0]
 
     def tangent(value: float) -> float | None:
         step = STEP * (abs(value) if abs(value) > STEP * top else top)
-        moved = state(value + step).moved - state(value - step).moved
+        moved = state(value + step).displacement - state(value - step).displacement
         stiff = math.nan if not moved else 2.0 * step * unit / moved
         loose = abs(value) <= STEP * top and not (pressed and not lash)
         return None if loose or not math.isfinite(stiff) else stiff
@@ -301,15 +301,15 @@ def compute_load_curve(
         s, free = state(value), value == 0.0 and bool(lash)
         status = "anywhere in the lash" if free else s.result.status  # the displacement is not unique
         friction = None
-        if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest > 0.0:
+        if isinstance(s.scene, Scene) and isinstance(s.result, StaticResult) and s.largest_load > 0.0:
             friction, _ = friction_without_compiling(s.scene, s.result, options)
         points.append(
             CurvePoint(
                 load=value * unit,
                 factor=value if course.factors else None,
-                displacement=None if free or math.isnan(s.moved) else s.moved - start,
+                displacement=None if free or math.isnan(s.displacement) else s.displacement - start,
                 stiffness=tangent(value),
-                largest=None if math.isnan(s.largest) else s.largest,
+                largest=None if math.isnan(s.largest_load) else s.largest_load,
                 torque=None if friction is None else 1e-3 * friction["friction_torque_Nmm"],
                 status=status,
             )
@@ -333,7 +333,7 @@ def compute_load_curve(
     )
 
 
-def _load_application(
+def _load_function_and_direction(
     scene: Scene | Assembly, course: LoadRange
 ) -> tuple[Callable[[float], Scene | Assembly], Vector, float | str, float]:
     """Return a function that applies one load of a load curve to the scene, and direction and position of this load.
@@ -355,7 +355,7 @@ def _load_application(
             allowed = "factors only for a scene whose first load is a force"
             raise ArgumentError("curve", "factors", allowed, "write forces, such as -3000N:3000N", scene.name)
         x, y, z = (f / size for f in force)
-        return lambda value: scale_loads(scene, value), (x, y, z), at, size
+        return lambda value: with_scaled_loads(scene, value), (x, y, z), at, size
     at = at if course.at is None else course.at
     housings = [h.name for h in scene.housings] if isinstance(scene, Assembly) else []
     if (at not in housings) if isinstance(at, str) else not 0.0 <= at <= scene.screw.length:
@@ -365,7 +365,7 @@ def _load_application(
 
     def loaded(value: float) -> Scene | Assembly:
         x, y, z = (value * part for part in course.direction)
-        bare = scale_loads(scene, 0.0)
+        bare = with_scaled_loads(scene, 0.0)
         if isinstance(bare, Assembly):
             bare = replace(bare, stiffness_at=at)
         if isinstance(at, str) and isinstance(bare, Assembly):
@@ -381,15 +381,17 @@ def _default_load_position(assembly: Assembly) -> float | str:
     It is the one for which the scene asks the stiffness, or on which the scene's first load acts. ``assembly``: shaft with
     several nuts or bearings.
     """
-    from rollbench.lowfi.statics.axis.system import reported_location  # imports the solver of several nuts and bearings
+    from rollbench.lowfi.statics.axis.system import (
+        location_of_reported_stiffness,  # imports the solver of several nuts and bearings
+    )
 
-    return reported_location(assembly)
+    return location_of_reported_stiffness(assembly)
 
 
 def _displacement_at_load_point(scene: Scene | Assembly, result: StaticResult | AxisResult, at: float | str) -> Any:
     """Return the displacement (6,) [m, rad] of the axial position or housing ``at``, on which the force acts."""
     if isinstance(scene, Assembly) and isinstance(result, AxisResult):
-        return displacement_at_stated_position(scene, result)
+        return displacement_at_scene_position(scene, result)
     return np.array([np.interp(float(at), result.centreline_z, u) for u in result.centreline.T])
 
 

@@ -10,61 +10,61 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.load_cases import AxisDrive, CycleResults, Solved, SolvedAxis
+from rollbench.compare.models.load_cases import AxisDrive, DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.loading import COMPONENTS, NOTHING, LiftOff, LoadPath, Preload
-from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.quantities import format_by_error, format_range, heading_and_unit
 from rollbench.compare.results.base import Row
 from rollbench.compare.results.data import Friction, FrictionBand
 from rollbench.compare.results.scene_json import (
-    Axial,
-    BallLoadSums,
-    RollerLoadSums,
+    AxialResults,
+    BallLoadSummary,
+    RollerLoadSummary,
     axis_summary_json,
     cycle_results_json,
-    set_summary_json,
+    nut_or_bearing_summary_json,
     single_set_results_json,
 )
 from rollbench.lowfi.bearings.tapered_roller import RibContact
-from rollbench.lowfi.bearings.torque import BallTorque, RollerTorque
+from rollbench.lowfi.bearings.torque import BallBearingTorque, RollerBearingTorque
 from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
-from rollbench.lowfi.rating.contacts import Contact, Ratings, RollerContact, StaticSafety, Truncation
+from rollbench.lowfi.rating.contacts import BallContact, EllipseTruncation, Ratings, RollerContact, StaticSafety
 from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
-from rollbench.lowfi.rating.life import EquivalentLife, Life, SystemLife
-from rollbench.lowfi.rating.rigidity import Rigidities
-from rollbench.meshes.one_arc import Clearance
+from rollbench.lowfi.rating.life import BasicRatingLife, EquivalentLoadLife, SystemLife
+from rollbench.lowfi.rating.rigidity import AxialRigidities
+from rollbench.meshes.one_arc import InternalClearance
 from rollbench.meshes.quantity import QuantityDescription, quantity_descriptions
 
 #: Groups of a JSON summary, in the order of the table's rows, each with the record that defines its quantities. If a group
 #: has two records, that one is used whose first key the group contains.
 GROUPS: tuple[tuple[str, type], ...] = (
-    ("", CycleResults),
-    ("loads", BallLoadSums),
-    ("loads", RollerLoadSums),
-    ("axial", Axial),
-    ("", Rigidities),
-    ("worst_contact", Contact),
+    ("", DutyCycleResults),
+    ("loads", BallLoadSummary),
+    ("loads", RollerLoadSummary),
+    ("axial", AxialResults),
+    ("", AxialRigidities),
+    ("worst_contact", BallContact),
     ("worst_contact", RollerContact),
     ("rib_contact", RibContact),
-    ("truncation", Truncation),
+    ("truncation", EllipseTruncation),
     ("static_safety", StaticSafety),
     ("preload", Preload),
     ("contact_lost", LiftOff),
-    ("clearance", Clearance),
+    ("clearance", InternalClearance),
     ("friction", Friction),
     ("band", FrictionBand),
-    ("roller_torque", RollerTorque),
-    ("bearing_torque", BallTorque),
+    ("roller_torque", RollerBearingTorque),
+    ("bearing_torque", BallBearingTorque),
     ("drive", AxisDrive),
-    ("life", Life),
+    ("life", BasicRatingLife),
     ("modified_life", ModifiedLife),
     ("reference_life", ReferenceLife),
-    ("standard_life", EquivalentLife),
+    ("standard_life", EquivalentLoadLife),
     ("axis_life", SystemLife),
     ("ratings", Ratings),
     ("shaft", ShaftLimits),
 )
-#: Fields of `ModelForm` whose expected errors are in per cent of the mean contact load.
+#: Fields of `ExpectedModelErrors` whose expected errors are in per cent of the mean contact load.
 OF_MEAN = ("percent", "rms_percent")
 #: Note in the table if the preload is not known.
 UNKNOWN = "no equilibrium was found without the scene's loads"
@@ -83,7 +83,7 @@ OF_SETS = (
 )
 
 
-def solution_rows(solved: Solved | SolvedAxis, *, details: bool = False) -> list[Row]:
+def solution_rows(solved: SceneSolution | ShaftSolution, *, details: bool = False) -> list[Row]:
     """Return the rows of the table of results of a solved scene.
 
     For several nuts or bearings on a shaft, the rows of the whole shaft come first, then those of the one with the worst
@@ -101,21 +101,24 @@ def solution_rows(solved: Solved | SolvedAxis, *, details: bool = False) -> list
     list[Row]
         The rows; empty if there is no equilibrium.
     """
-    if solved.answers is None:
+    if solved.derived_results is None:
         return []
-    supports = _support_load_rows(solved.answers.path)
-    if isinstance(solved, Solved):
-        return [*rows_from_summary_json(single_set_results_json(solved), solved.expected, details=details), *supports]
+    supports = _support_load_rows(solved.derived_results.load_path)
+    if isinstance(solved, SceneSolution):
+        return [
+            *rows_from_summary_json(single_set_results_json(solved), solved.expected_errors, details=details),
+            *supports,
+        ]
     data = axis_summary_json(solved)
     whole = {key: data.pop(key) for key in OF_ALL if key in data}
-    names = [solved.answers.sets[i].name for i in solved.answers.sets_by_pressure[:1]]
+    names = [solved.derived_results.set_results[i].name for i in solved.derived_results.set_indices_by_pressure[:1]]
     worst = rows_from_summary_json(data, details=details) if names else []
     head = rows_from_summary_json(whole, details=details)
     return [*head, *supports, *(Row("set with the worst contact", name) for name in names), *worst]
 
 
 def rows_from_summary_json(
-    data: Mapping[str, Any], expected_errors: ModelForm | None = None, *, details: bool = False
+    data: Mapping[str, Any], expected_errors: ExpectedModelErrors | None = None, *, details: bool = False
 ) -> list[Row]:
     """Return the rows of the table of results for the quantities in the JSON summary of a scene.
 
@@ -146,7 +149,7 @@ def rows_from_summary_json(
 
 
 def rows_with_reference(
-    data: Mapping[str, Any], reference: Mapping[str, Any], expected_errors: ModelForm | None
+    data: Mapping[str, Any], reference: Mapping[str, Any], expected_errors: ExpectedModelErrors | None
 ) -> Iterator[tuple[str, str, str, str, str, str]]:
     """Yield a table row for each quantity that the JSON summaries of both a model and the reference contain.
 
@@ -164,11 +167,13 @@ def rows_with_reference(
     tuple[str, str, str, str, str, str]
         Name, value of the model, value of the reference, unit, difference [%], and the error that was expected.
     """
-    theirs = {(kind, key): _value_at(table, key) for kind, table, stated in _summary_groups(reference) for key, _ in stated}
+    theirs = {
+        (kind, key): _json_value_at(table, key) for kind, table, stated in _summary_groups(reference) for key, _ in stated
+    }
     mean = (data.get("loads") or {}).get("mean_N")
     for kind, table, stated in _summary_groups(data):
         for key, x in stated if kind is not Ratings else ():
-            value, other = _value_at(table, key), theirs.get((kind, key))
+            value, other = _json_value_at(table, key), theirs.get((kind, key))
             if x.heading and isinstance(value, float) and isinstance(other, float):
                 name, unit = _quantity_name_and_unit(x)
                 off = f"{float(error_percent(value, other)):+z.2f} %" if other else ""
@@ -193,7 +198,7 @@ def _summary_groups(
     for group, kind in GROUPS:
         table = data.get(group) if group else data
         stated = [(x.key.removeprefix("torque."), x) for _, x in quantity_descriptions(kind)]
-        known = isinstance(table, Mapping) and _value_at(table, stated[0][0]) is not ...
+        known = isinstance(table, Mapping) and _json_value_at(table, stated[0][0]) is not ...
         if kind is Preload and table and not table["loaded_contacts"]:
             known = False
         yield kind, table if known and table else {}, stated
@@ -208,7 +213,7 @@ def _quantity_name_and_unit(definition: QuantityDescription) -> tuple[str, str]:
     return name, unit.replace("million revolutions", "1e6 rev")
 
 
-def _value_at(table: Mapping[str, Any], key: str) -> Any:
+def _json_value_at(table: Mapping[str, Any], key: str) -> Any:
     """Return the value at a key of a JSON object; a dot in the key leads into an inner object.
 
     Returns ``...`` (Ellipsis) if there is no such key.
@@ -223,7 +228,7 @@ def _quantity_row(
     table: Mapping[str, Any],
     key: str,
     definition: QuantityDescription,
-    expected_errors: ModelForm | None,
+    expected_errors: ExpectedModelErrors | None,
     mean_load: float | None,
 ) -> Row | None:
     """Return the row of one quantity in the table of results; None if the quantity has no value that fits a row.
@@ -231,7 +236,7 @@ def _quantity_row(
     ``table``: JSON values of the quantity's group. ``key``: key of its value. ``definition``: its definition.
     ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N].
     """
-    value = _value_at(table, key)
+    value = _json_value_at(table, key)
     if value in (None, ..., ""):
         return None
     name, unit = _quantity_name_and_unit(definition)
@@ -249,13 +254,13 @@ def _quantity_row(
 
 
 def _expected_error_of_value(
-    value: float, expected: tuple[str, float], expected_errors: ModelForm | None, mean_load: float | None
+    value: float, expected: tuple[str, float], expected_errors: ExpectedModelErrors | None, mean_load: float | None
 ) -> tuple[float | None, str]:
     """Return the expected error of a value, in the unit of the value and as text in per cent.
 
-    ``expected``: field of `ModelForm` with the error in per cent, and the factor on it. ``expected_errors``: errors to
-    expect; None if they are not known. ``mean_load``: mean contact load [N], which some errors are relative to. Returns
-    None and an empty text if the error is not known.
+    ``expected``: field of `ExpectedModelErrors` with the error in per cent, and the factor on it. ``expected_errors``:
+    errors to expect; None if they are not known. ``mean_load``: mean contact load [N], which some errors are relative to.
+    Returns None and an empty text if the error is not known.
     """
     field, times = expected
     percent = getattr(expected_errors, field) if expected_errors is not None and field else None
@@ -285,9 +290,9 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     ``data``: JSON summary of the scene.
     """
     preload, lost, drive = (data.get(key) or {} for key in ("preload", "contact_lost", "drive"))
-    if kind is BallLoadSums and "loads" in data and data["loads"] is None:
+    if kind is BallLoadSummary and "loads" in data and data["loads"] is None:
         yield Row("contact loads", "none", note="no contact carries load")
-    elif kind is Rigidities and (words := (data.get("axial") or {}).get("tangent_words")):
+    elif kind is AxialRigidities and (words := (data.get("axial") or {}).get("tangent_words")):
         yield Row("axial rigidity, tangent", "none", note=words)
     elif kind is Preload and "preload" in data and not preload.get("loaded_contacts"):
         known = "without the loads"
@@ -299,7 +304,7 @@ def _missing_value_rows(data: Mapping[str, Any], kind: type) -> Iterator[Row]:
     elif kind is AxisDrive and drive and drive["running_torque_Nmm"] is None:
         words = "; ".join(dict.fromkeys(x["words"] for x in drive["sets"] if x["words"]))
         yield Row("motor torque, running", "not known", note=words)
-    elif kind is Life and "life" in data and data["life"] is None:
+    elif kind is BasicRatingLife and "life" in data and data["life"] is None:
         yield Row("life L10", "none", note=data.get("rating_refused") or data.get("life_words") or "no load")
 
 
@@ -310,14 +315,14 @@ def _support_load_rows(path: LoadPath | None) -> Iterator[Row]:
     """
     if path is None:
         return
-    for taker in path.takers:
-        for k, part in enumerate(taker.part):
-            if abs(part) > NOTHING * abs(path.applied[k]) > 0.0:
+    for taker in path.support_shares:
+        for k, part in enumerate(taker.carried_load):
+            if abs(part) > NOTHING * abs(path.applied_load[k]) > 0.0:
                 unit = "N" if k < 3 else "N m"
                 yield Row("taken by a support", format_by_error(part), unit, "", f"{COMPONENTS[k]} by {taker.name}")
 
 
-def bearing_and_nut_rows(solved: SolvedAxis) -> list[dict[str, Any]]:
+def bearing_and_nut_rows(solved: ShaftSolution) -> list[dict[str, Any]]:
     """Return a table row for each nut or bearing on a shaft: name, position, axial force, rigidity, loads and life.
 
     Parameters
@@ -331,11 +336,11 @@ def bearing_and_nut_rows(solved: SolvedAxis) -> list[dict[str, Any]]:
         Texts of each row, by the headings in `OF_SETS` and others. Columns without any value are left out. Empty if there
         is no equilibrium.
     """
-    if solved.answers is None:
+    if solved.derived_results is None:
         return []
     found = []
-    for k, (s, answers) in enumerate(zip(solved.result.sets, solved.answers.sets, strict=True), 1):
-        data = set_summary_json(s, answers, solved.scene.motion)
+    for k, (s, answers) in enumerate(zip(solved.result.sets, solved.derived_results.set_results, strict=True), 1):
+        data = nut_or_bearing_summary_json(s, answers, solved.scene.motion)
         row: dict[str, Any] = {"set": f"{k} {s.of.name}", "z mm": f"{1e3 * s.of.position:.1f}"}
         row |= {
             "force N": format_by_error(float(s.force[2])),
@@ -369,7 +374,7 @@ def friction_rows(data: Mapping[str, Any]) -> list[Row]:
     return rows_from_summary_json({"friction": torque, "band": band, "drive": data.get("drive")})
 
 
-def duty_cycle_rows(cycle_results: CycleResults) -> list[Row]:
+def duty_cycle_rows(cycle_results: DutyCycleResults) -> list[Row]:
     """Return the table rows with extremes and lives over all load cases of a duty cycle.
 
     Parameters
@@ -389,7 +394,7 @@ def duty_cycle_rows(cycle_results: CycleResults) -> list[Row]:
     return rows
 
 
-def expected_error_sentence(expected_errors: ModelForm | None) -> str:
+def expected_error_sentence(expected_errors: ExpectedModelErrors | None) -> str:
     """Return a sentence on how the expected errors were estimated, or why they are not known.
 
     Parameters

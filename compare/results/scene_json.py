@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import count_contacts, error_percent, mean_load
-from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, clearance_of_deep_groove
-from rollbench.compare.models.load_cases import CycleResults, Lives, Solved, SolvedAxis
-from rollbench.compare.models.model_form import ModelForm
+from rollbench.compare.models.answers import ContactLoadResults, RollerLoadResults, clearance_of_deep_groove
+from rollbench.compare.models.load_cases import DutyCycleResults, LivesOverDutyCycle, SceneSolution, ShaftSolution
+from rollbench.compare.models.model_form import ExpectedModelErrors
 from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.quantities import json_number, record_as_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
 from rollbench.lowfi.rating.contacts import RACES, contact_pressures, race_pressures
-from rollbench.lowfi.rating.life import Life
+from rollbench.lowfi.rating.life import BasicRatingLife
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, SetResult, StaticResult
-from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import join_brief_warnings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -26,8 +26,8 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Motion, Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
 
 if TYPE_CHECKING:
-    from rollbench.compare.models.answers import SetAnswers
-    from rollbench.lowfi.bearings.torque import LoadTorque
+    from rollbench.compare.models.answers import NutOrBearingResults
+    from rollbench.lowfi.bearings.torque import PalmgrenLoadTorque
 
 #: JSON keys in the summary of a nut or bearing that are not repeated in the summary of the whole shaft.
 OF_A_SET = ("sides", "preload", "starting_torque", "bearing_torque", "clearance", "roller_torque")
@@ -41,7 +41,7 @@ def values_by_flank(row: Array) -> dict[str, float | None]:
 
 
 @result_record
-class BallRow:
+class BallResult:
     """Position of one ball, and its load, contact angle and pressure on the four groove flanks, (4,) each, in SI units."""
 
     index: int = quantity_field("index", "number of the ball along its track, from 1")
@@ -75,7 +75,7 @@ class BallRow:
 
 
 @result_record
-class RollerRowAnswer:
+class RollerResult:
     """Position, load, largest load per length and largest pressures of one roller, in SI units."""
 
     index: int = quantity_field("index", "number of the roller in its row, from 1")
@@ -96,7 +96,7 @@ class RollerRowAnswer:
 
 
 @result_record
-class BallLoadSums:
+class BallLoadSummary:
     """Summary of the contact loads of all balls: largest, mean and smallest load [N], and numbers of contacts."""
 
     ball: int = quantity_field("worst_ball", "number of the ball with the largest contact load")
@@ -116,7 +116,7 @@ class BallLoadSums:
         error="small: equilibrium fixes the sum",
         heading="mean contact load",
     )
-    least: float = quantity_field(
+    smallest: float = quantity_field(
         "min_N",
         "smallest load of a loaded contact",
         error="model form, `largest_percent_of_mean`",
@@ -124,15 +124,17 @@ class BallLoadSums:
         expected=("percent", 1.0),
         note="of {loaded_contacts} loaded",
     )
-    loaded: int = quantity_field("loaded_contacts", "number of loaded contacts")
-    in_mean: int = quantity_field(
+    loaded_contacts: int = quantity_field("loaded_contacts", "number of loaded contacts")
+    contacts_in_mean: int = quantity_field(
         "contacts_in_mean", "number of contacts by which the sum of the loads is divided for the mean"
     )
-    unloaded: int = quantity_field("balls_without_load", "number of balls without any load", heading="balls without load")
+    unloaded_balls: int = quantity_field(
+        "balls_without_load", "number of balls without any load", heading="balls without load"
+    )
 
 
 @result_record
-class RollerLoadSums:
+class RollerLoadSummary:
     """Summary of the loads of a row of rollers: largest, mean and smallest load [N], and numbers of rollers."""
 
     roller: int = quantity_field(
@@ -142,30 +144,30 @@ class RollerLoadSums:
     )
     largest: float = quantity_field("max_N", heading="largest roller load", note="roller {worst_roller}")
     mean: float = quantity_field("mean_N", heading="mean roller load")
-    least: float = quantity_field("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
-    loaded: int = quantity_field("loaded_contacts")
-    unloaded: int = quantity_field(
+    smallest: float = quantity_field("min_N", heading="smallest roller load", note="of {loaded_contacts} loaded")
+    loaded_rollers: int = quantity_field("loaded_contacts")
+    unloaded_rollers: int = quantity_field(
         "rollers_without_load", "number of rollers without any load", heading="rollers without load"
     )
 
 
 @result_record
-class FlankLoadSums:
+class FlankLoadSummary:
     """Summary of the contact loads on one groove flank: largest and smallest load [N], their ratio, numbers of contacts."""
 
     largest: float = quantity_field("max_N", "largest load on this flank", error="as `loads.max_N`")
-    least: float = quantity_field("min_N", "smallest load of a loaded contact on this flank", error="as `loads.min_N`")
+    smallest: float = quantity_field("min_N", "smallest load of a loaded contact on this flank", error="as `loads.min_N`")
     ratio: float = quantity_field(
         "ratio",
         "largest load on this flank, divided by the smallest",
         error="that of both loads; in the worst case their errors have opposite signs",
     )
-    loaded: int = quantity_field("loaded", "number of loaded contacts on this flank")
-    lost: int = quantity_field("lost", "number of contacts on this flank that carry no load")
+    loaded_contacts: int = quantity_field("loaded", "number of loaded contacts on this flank")
+    unloaded_contacts: int = quantity_field("lost", "number of contacts on this flank that carry no load")
 
 
 @result_record
-class Axial:
+class AxialResults:
     """Axial force [N], axial displacement [m] and axial rigidities [N/m] of a nut, bearing or shaft."""
 
     force: float = quantity_field(
@@ -181,14 +183,14 @@ class Axial:
         heading="axial displacement",
         expected=("displacement_percent", 1.0),
     )
-    rigidity: float | None = quantity_field(
+    secant_rigidity: float | None = quantity_field(
         "rigidity_N_per_um",
         "secant stiffness: axial force divided by axial displacement",
         error="that of the displacement",
         heading="axial rigidity, secant",
         expected=("displacement_percent", 1.0),
     )
-    tangent: float | None = quantity_field(
+    tangent_rigidity: float | None = quantity_field(
         "tangent_N_per_um",
         "tangent stiffness: derivative of the axial force with respect to the axial displacement at the solution, with the "
         "other degrees of freedom free",
@@ -197,10 +199,10 @@ class Axial:
         expected=("rigidity_percent", 1.0),
         default=None,
     )
-    words: str = quantity_field(
+    no_tangent_reason: str = quantity_field(
         "tangent_words", "reason why there is no tangent stiffness", show=lambda words: words or None, default=""
     )
-    stepped: float | None = quantity_field(
+    stiffness_over_load_step: float | None = quantity_field(
         "stepped_N_per_um",
         "stiffness by the model liu over the load step `ingredients.load_step`, at the first loaded ball (Liu, equations "
         "19 to 22)",
@@ -217,11 +219,15 @@ class Axial:
     )
     def lost_motion(self) -> float | None:
         """Axial displacement [um] when a friction force of 100 N reverses; None without tangent stiffness."""
-        return None if self.tangent is None or self.tangent <= 0.0 else 1e6 * (2.0 * LOST_BY / self.tangent)
+        return (
+            None
+            if self.tangent_rigidity is None or self.tangent_rigidity <= 0.0
+            else 1e6 * (2.0 * LOST_BY / self.tangent_rigidity)
+        )
 
 
 @result_record
-class StiffnessAt:
+class StiffnessAtPosition:
     """Tangent stiffness (6, 6) [N/m, N/rad, N m/rad] at an axial position [m]; nan in fixed degrees of freedom."""
 
     station: float | None = quantity_field(
@@ -239,7 +245,7 @@ class StiffnessAt:
 
 
 @result_record
-class CentrelinePoint:
+class AxisPointDisplacement:
     """Displacement and rotation (6,) [m, rad] of a point on the screw's axis, at an axial position [m]."""
 
     z: float = quantity_field("z_mm", "axial position of a point on the screw's axis")
@@ -253,7 +259,7 @@ class CentrelinePoint:
 
 
 def flank_loads_json(load: Array) -> dict[str, Any]:
-    """Return the summary of contact loads (`FlankLoadSums`) on each loaded groove flank as JSON, by name of the flank.
+    """Return the summary of contact loads (`FlankLoadSummary`) on each loaded groove flank as JSON, by name of the flank.
 
     ``load``: contact loads of n balls, (n, 4) [N].
     """
@@ -263,13 +269,13 @@ def flank_loads_json(load: Array) -> dict[str, Any]:
         if loaded.size:
             most, least = loaded.max(), loaded.min()
             out[side] = record_as_json(
-                FlankLoadSums(most, least, most / least, int(loaded.size), int(values.size - loaded.size))
+                FlankLoadSummary(most, least, most / least, int(loaded.size), int(values.size - loaded.size))
             )
     return out
 
 
 def ball_loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
-    """Return the summary of the contact loads of balls as JSON (`BallLoadSums`); None if no contact is loaded.
+    """Return the summary of the contact loads of balls as JSON (`BallLoadSummary`); None if no contact is loaded.
 
     ``load``: contact loads of n balls on the four flanks, (n, 4) [N]. ``contacts``: number by which their sum is divided
     for the mean load; 0: the number of loaded contacts.
@@ -282,17 +288,22 @@ def ball_loads_json(load: Array, contacts: int = 0) -> dict[str, Any] | None:
     empty = int((~loaded.any(axis=1)).sum())
     ends = carried.max(), mean, carried.min()
     return record_as_json(
-        BallLoadSums(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), count_contacts(load, contacts), empty)
+        BallLoadSummary(int(i) + 1, SIDES[int(s)], *ends, int(carried.size), count_contacts(load, contacts), empty)
     )
 
 
 def roller_loads_json(load: Array) -> dict[str, Any] | None:
-    """Return the summary of the loads (count,) [N] of a row of rollers as JSON (`RollerLoadSums`); None if all are zero."""
+    """Return the summary of the loads (count,) [N] of a row of rollers as JSON (`RollerLoadSummary`).
+
+    None if all are zero.
+    """
     carried = load[load > 0.0]
     if not carried.size:
         return None
     ends = carried.max(), carried.mean(), carried.min()
-    return record_as_json(RollerLoadSums(int(load.argmax()) + 1, *ends, int(carried.size), int(load.size - carried.size)))
+    return record_as_json(
+        RollerLoadSummary(int(load.argmax()) + 1, *ends, int(carried.size), int(load.size - carried.size))
+    )
 
 
 def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[str, Any] | None:
@@ -301,10 +312,10 @@ def stiffness_json(station: float | None, status: str, matrix: Array) -> dict[st
     ``station``: axial position on the shaft [m]. ``status``: status of the solution. ``matrix``: stiffness, (6, 6) [N/m,
     N/rad, N m/rad].
     """
-    return record_as_json(StiffnessAt(station, str(status), FREEDOMS, matrix))
+    return record_as_json(StiffnessAtPosition(station, str(status), FREEDOMS, matrix))
 
 
-def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
+def life_json(life: BasicRatingLife | None, speed: float | None) -> dict[str, Any] | None:
     """Return a basic rating life as JSON, also in hours if the speed is known; None if there is no life.
 
     ``speed``: speed of rotation [rad/s]; None if it is not known.
@@ -313,13 +324,13 @@ def life_json(life: Life | None, speed: float | None) -> dict[str, Any] | None:
     return data | {"L10_hours": json_number(life.hours(speed))} if data is not None and life and speed else data
 
 
-def contact_ratings_json(answers: LoadAnswers | RollerAnswers, motion: Motion | None = None) -> dict[str, Any]:
+def contact_ratings_json(answers: ContactLoadResults | RollerLoadResults, motion: Motion | None = None) -> dict[str, Any]:
     """Return worst contact, static safety, life and load ratings of one nut or bearing as JSON.
 
     ``answers``: results from the contact loads of one nut or bearing. ``motion``: motion whose speed gives the life in
     hours.
     """
-    if isinstance(answers, RollerAnswers):
+    if isinstance(answers, RollerLoadResults):
         safety = record_as_json(answers.safety, "permanent_over_diameter", "allowed_over_diameter")
         data = (record_as_json(answers) or {}) | {"static_safety": safety, "rating_refused": None}
     else:
@@ -327,36 +338,43 @@ def contact_ratings_json(answers: LoadAnswers | RollerAnswers, motion: Motion | 
     return data | {"life": life_json(answers.life, None if motion is None else motion.speed)}
 
 
-def single_set_results_json(solved: Solved) -> dict[str, Any]:
+def single_set_results_json(solved: SceneSolution) -> dict[str, Any]:
     """Return the summary of a scene with a single nut or bearing as JSON; empty if there is no equilibrium.
 
     ``solved``: the solved scene. Forces are in N, displacements in um, rigidities in N/um.
     """
-    scene, answers = solved.scene, solved.answers
+    scene, answers = solved.scene, solved.derived_results
     if answers is None:
         return {}
     three = answers.rigidities
-    secant = None if three is None else three.unequal
-    axial = Axial(answers.force, answers.displacement, secant, answers.tangent, answers.tangent_words, answers.stepped)
+    secant = None if three is None else three.with_unequal_loads
+    axial = AxialResults(
+        answers.axial_force,
+        answers.displacement,
+        secant,
+        answers.tangent,
+        answers.tangent_words,
+        answers.load_step_stiffness,
+    )
     return {
         "loads": ball_loads_json(solved.result.load, nominal_contacts(scene, solved.result)),
         "axial": record_as_json(
-            axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.stepped is None else [])
+            axial, "lost_motion_um_per_100N", *(["stepped_N_per_um"] if answers.load_step_stiffness is None else [])
         ),
         **(record_as_json(three) or {"rigidities_N_per_um": None}),
-        **contact_ratings_json(answers.loads, scene.motion),
+        **contact_ratings_json(answers.load_results, scene.motion),
         "preload": record_as_json(answers.preload),
-        "contact_lost": record_as_json(answers.lift),
+        "contact_lost": record_as_json(answers.lift_off),
         "friction": answers.friction,
         "friction_words": answers.friction_words or None,
-        "load_path": record_as_json(answers.path),
-        "shaft": record_as_json(answers.shaft),
+        "load_path": record_as_json(answers.load_path),
+        "shaft": record_as_json(answers.shaft_limits),
         "clearance": record_as_json(clearance_of_deep_groove(scene)),
-        **({} if scene.track.lead else {"bearing_torque": record_as_json(answers.torque)}),
+        **({} if scene.track.lead else {"bearing_torque": record_as_json(answers.bearing_torque)}),
     }
 
 
-def palmgren_load_torque(parts: Scene, thrust: float) -> LoadTorque:
+def palmgren_load_torque(parts: Scene, thrust: float) -> PalmgrenLoadTorque:
     """Return the load-dependent friction torque of a ball bearing by Palmgren's formula (Smith, equations 2.33 to 2.38).
 
     ``thrust`` is the axial load [N]. The formula is for contact angles of about 60 deg.
@@ -370,7 +388,7 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> LoadTorque:
     return load_dependent_torque(abs(thrust), 0.0, 2.0 * track.pitch_radius, rated)
 
 
-def starting_torque_json(set_result: SetResult, answers: SetAnswers) -> dict[str, Any] | None:
+def starting_torque_json(set_result: SetResult, answers: NutOrBearingResults) -> dict[str, Any] | None:
     """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction only.
 
     ``set_result``: solution of the bearing. ``answers``: its parts and its preload.
@@ -382,7 +400,9 @@ def starting_torque_json(set_result: SetResult, answers: SetAnswers) -> dict[str
     return record_as_json(palmgren_load_torque(parts, preload.axial))
 
 
-def set_summary_json(set_result: SetResult, answers: SetAnswers | None, motion: Motion | None) -> dict[str, Any]:
+def nut_or_bearing_summary_json(
+    set_result: SetResult, answers: NutOrBearingResults | None, motion: Motion | None
+) -> dict[str, Any]:
     """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium.
 
     ``set_result``: its solution. ``answers``: results from its contact loads; None: only the loads on each flank are
@@ -394,11 +414,15 @@ def set_summary_json(set_result: SetResult, answers: SetAnswers | None, motion: 
     if answers is None:
         return data
     loads = roller_loads_json(set_result.loads) if set_result.balls is None else ball_loads_json(set_result.balls.load)
-    data |= {"loads": loads, **contact_ratings_json(answers.loads, motion), "preload": record_as_json(answers.preload)}
+    data |= {
+        "loads": loads,
+        **contact_ratings_json(answers.load_results, motion),
+        "preload": record_as_json(answers.preload),
+    }
     if not isinstance(answers.parts, Scene):
         return data
     data["clearance"] = record_as_json(clearance_of_deep_groove(answers.parts, set_result.of.thrust))
-    data |= {} if answers.parts.track.lead else {"bearing_torque": record_as_json(answers.torque)}
+    data |= {} if answers.parts.track.lead else {"bearing_torque": record_as_json(answers.friction_torque)}
     return data | {"starting_torque": starting_torque_json(set_result, answers)}
 
 
@@ -409,32 +433,34 @@ def axis_stiffness_json(result: AxisResult) -> dict[str, Any] | None:
     return {"at": result.stiffness_at, **(stiffness_json(result.station, result.status, result.stiffness) or {})}
 
 
-def axis_summary_json(solved: SolvedAxis) -> dict[str, Any]:
+def axis_summary_json(solved: ShaftSolution) -> dict[str, Any]:
     """Return the JSON summary of several nuts or bearings on one shaft.
 
     ``solved``: the solved shaft. The summary has the loads on each groove flank, the axial force, displacement and
     rigidities, and the results of the nut or bearing that has the worst contact.
     """
-    result, answers = solved.result, solved.answers
+    result, answers = solved.result, solved.derived_results
     if not result.converged:
         return {}
-    loads = [balls.load for balls in result.of_balls()]
+    loads = [balls.load for balls in result.ball_results()]
     data: dict[str, Any] = {"sides": flank_loads_json(np.concatenate(loads))} if loads else {}
     if answers is None:
         return data
     moved, tangent = answers.displacement, None if result.stiffness is None else result.stiffness[2, 2]
-    secant = answers.force / moved if moved and answers.force else None
-    data["axial"] = record_as_json(Axial(answers.force, moved, secant, tangent), "tangent_words", "stepped_N_per_um")
+    secant = answers.axial_load / moved if moved and answers.axial_load else None
+    data["axial"] = record_as_json(
+        AxialResults(answers.axial_load, moved, secant, tangent), "tangent_words", "stepped_N_per_um"
+    )
     data["stiffness"] = axis_stiffness_json(result)
-    data["load_path"] = record_as_json(answers.path)
-    data |= {"drive": record_as_json(solved.drive), "axis_life": record_as_json(solved.life)}
+    data["load_path"] = record_as_json(answers.load_path)
+    data |= {"drive": record_as_json(solved.motor_torques), "axis_life": record_as_json(solved.combined_life)}
     if k := answers.worst_set:
-        of_set = set_summary_json(result.sets[k - 1], answers.sets[k - 1], solved.scene.motion)
+        of_set = nut_or_bearing_summary_json(result.sets[k - 1], answers.set_results[k - 1], solved.scene.motion)
         data |= {"worst_set": k} | {k: of_set[k] for k in of_set if k not in OF_A_SET}
     return data
 
 
-def solved_case_json(solved: Solved | SolvedAxis, tangent: Tangent | None = None) -> dict[str, Any]:
+def solved_case_json(solved: SceneSolution | ShaftSolution, tangent: TangentStiffness | None = None) -> dict[str, Any]:
     """Return a solved scene as JSON: angles in deg, axial positions in mm, displacements in um, forces in N.
 
     With several nuts or bearings on one shaft, each row of a ball or roller has the number of its nut or bearing, and
@@ -454,28 +480,28 @@ def solved_case_json(solved: Solved | SolvedAxis, tangent: Tangent | None = None
     """
     result = solved.result
     answers: dict[str, Any]
-    if isinstance(solved, SolvedAxis):
-        of_sets = [None] * len(solved.result.sets) if solved.answers is None else solved.answers.sets
+    if isinstance(solved, ShaftSolution):
+        of_sets = [None] * len(solved.result.sets) if solved.derived_results is None else solved.derived_results.set_results
         pairs = enumerate(zip(solved.result.sets, of_sets, strict=True), 1)
         answers = {
             "kind": solved.scene.kind,
             "sets": [
-                {"set": k, **(record_as_json(s) or {}), "summary": set_summary_json(s, x, solved.scene.motion)}
+                {"set": k, **(record_as_json(s) or {}), "summary": nut_or_bearing_summary_json(s, x, solved.scene.motion)}
                 for k, (s, x) in pairs
             ],
-            "balls": ball_rows_of_axis(solved.result),
-            "rollers": roller_rows(solved.result),
+            "balls": ball_rows_of_shaft_json(solved.result),
+            "rollers": roller_rows_json(solved.result),
             "summary": axis_summary_json(solved),
             "housings": [record_as_json(housing) for housing in solved.result.housings],
             "stiffness": axis_stiffness_json(solved.result),
         }
     else:
         summary = {"sides": flank_loads_json(solved.result.load), **single_set_results_json(solved)}
-        if tangent is not None and solved.answers is not None:
+        if tangent is not None and solved.derived_results is not None:
             summary["stiffness"] = stiffness_json(tangent.station, tangent.status, tangent.matrix)
-        balls = ball_rows(solved.scene, solved.result)
+        balls = ball_rows_json(solved.scene, solved.result)
         answers = {"balls": balls, "summary": summary if np.isfinite(solved.result.load).all() else {}}
-    grid = beam_discretisation_percent(solved.scene, solved.result) if isinstance(solved, Solved) else None
+    grid = beam_discretisation_percent(solved.scene, solved.result) if isinstance(solved, SceneSolution) else None
     line = zip(result.centreline_z, result.centreline, strict=True)
     return {
         "scene": solved.scene.name,
@@ -483,10 +509,10 @@ def solved_case_json(solved: Solved | SolvedAxis, tangent: Tangent | None = None
         "member": result.member if has_random_errors(solved.scene) else None,
         "status": result.status,
         **answers,
-        "centreline": [record_as_json(CentrelinePoint(z, motion)) for z, motion in line],
+        "centreline": [record_as_json(AxisPointDisplacement(z, motion)) for z, motion in line],
         "equilibrium": record_as_json(result.equilibrium),
         "solver": (record_as_json(result.solver) or {}) | {"discretisation_percent": grid},
-        "model_form": record_as_json(solved.expected),
+        "model_form": record_as_json(solved.expected_errors),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
         "warning": join_brief_warnings(result.warnings) or None,
@@ -494,7 +520,7 @@ def solved_case_json(solved: Solved | SolvedAxis, tangent: Tangent | None = None
     }
 
 
-def expected_errors_json(model_form: ModelForm | None, key: str) -> dict[str, float | None]:
+def expected_errors_json(model_form: ExpectedModelErrors | None, key: str) -> dict[str, float | None]:
     """Return the errors to expect [%] of displacement, rigidity and pressure, by name; None where none can be estimated.
 
     ``model_form``: the errors to expect. ``key``: template of the names, such as ``expected_{}_error_percent``.
@@ -517,26 +543,26 @@ def beam_discretisation_percent(scene: Scene, result: StaticResult) -> float | N
     return json_number(float(error_percent(change, 0.0, mean_load(result.load, nominal_contacts(scene, result)))))
 
 
-def ball_rows(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
+def ball_rows_json(scene: Scene, balls: StaticResult) -> list[dict[str, Any]]:
     """Return a JSON row for every ball: number from 1, position, loads, contact angles and pressures.
 
     ``scene``: the nut or bearing. ``balls``: its solution.
     """
     pressure = contact_pressures(scene, balls)
     rows = zip(balls.azimuth, balls.z, balls.load, balls.contact_angle, pressure, strict=True)
-    return [record_as_json(BallRow(i, *row)) or {} for i, row in enumerate(rows, 1)]
+    return [record_as_json(BallResult(i, *row)) or {} for i, row in enumerate(rows, 1)]
 
 
-def ball_rows_of_axis(result: AxisResult) -> list[dict[str, Any]]:
+def ball_rows_of_shaft_json(result: AxisResult) -> list[dict[str, Any]]:
     """Return a JSON row for every ball of all nuts and bearings of a shaft, numbered from 1 in each of them."""
     rows = []
     for k, s in enumerate(result.sets, 1):
         if s.balls is not None and isinstance(s.of.parts, Scene):
-            rows += [{"set": k} | row for row in ball_rows(s.of.parts, s.balls)]
+            rows += [{"set": k} | row for row in ball_rows_json(s.of.parts, s.balls)]
     return rows
 
 
-def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
+def roller_rows_json(result: AxisResult) -> list[dict[str, Any]]:
     """Return a JSON row for every roller of all roller bearings of a shaft, numbered from 1 in each bearing."""
     rows = []
     for k, s in enumerate(result.sets, 1):
@@ -545,16 +571,16 @@ def roller_rows(result: AxisResult) -> list[dict[str, Any]]:
         pressures = race_pressures(s.of.parts, s.line_loads)
         each = zip(s.roller_azimuth, s.loads, s.line_loads.max(axis=1), pressures, strict=True)
         for i, (azimuth, load, line_load, of_races) in enumerate(each, 1):
-            row = RollerRowAnswer(i, azimuth, load, line_load, dict(zip(RACES, of_races, strict=True)))
+            row = RollerResult(i, azimuth, load, line_load, dict(zip(RACES, of_races, strict=True)))
             rows.append({"set": k} | (record_as_json(row) or {}))
     return rows
 
 
 def duty_cycle_json(
     cycle: DutyCycle,
-    solved: Sequence[Solved | SolvedAxis],
-    cycle_results: CycleResults,
-    tangents: Sequence[Tangent | None] = (),
+    solved: Sequence[SceneSolution | ShaftSolution],
+    cycle_results: DutyCycleResults,
+    tangents: Sequence[TangentStiffness | None] = (),
 ) -> dict[str, Any]:
     """Return a solved duty cycle as JSON: the results of each load case, and the extremes and lives over all cases.
 
@@ -588,7 +614,7 @@ def load_case_head_json(cycle: DutyCycle, case: LoadCase) -> dict[str, Any]:
     return {"scene": cycle.name, **(record_as_json(case) or {})}
 
 
-def cycle_results_json(cycle_results: CycleResults) -> dict[str, Any]:
+def cycle_results_json(cycle_results: DutyCycleResults) -> dict[str, Any]:
     """Return the extreme results over all load cases, and the lives over the duty cycle, as JSON.
 
     ``cycle_results``: extremes and lives over all load cases. With several nuts or bearings, ``sets`` has the lives of
@@ -596,13 +622,13 @@ def cycle_results_json(cycle_results: CycleResults) -> dict[str, Any]:
     """
     several = len(cycle_results.lives) != 1
     data = (record_as_json(cycle_results, *([] if several else ["life_set", "axis_life"])) or {}) | _cycle_lives_json(
-        cycle_results.least, cycle_results.speed
+        cycle_results.shortest_lives, cycle_results.speed
     )
     each = ({"name": lives.set} | _cycle_lives_json(lives, cycle_results.speed) for lives in cycle_results.lives)
     return data | {"sets": [*each]} if several else data
 
 
-def _cycle_lives_json(lives: Lives, speed: float | None) -> dict[str, Any]:
+def _cycle_lives_json(lives: LivesOverDutyCycle, speed: float | None) -> dict[str, Any]:
     """Return the lives of one nut or bearing over a duty cycle as JSON, one for each standard that gives a life.
 
     ``speed``: mean speed [rad/s], for the life in hours; None if it is not known.

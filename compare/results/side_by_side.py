@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.answers import Answers
+from rollbench.compare.models.answers import SceneResults
 from rollbench.compare.quantities import quantities_of_record, record_as_json
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.results.solved import Result
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
@@ -84,7 +84,7 @@ class Alternative:
         "L10_hours", "life L10 in hours, if the scene states a speed", error="as in revolutions"
     )
     shortest: str | None = quantity_field("shortest_set", "nut or bearing of an axis with the shortest life")
-    warnings: tuple[Warned, ...] = quantity_field("warnings")
+    warnings: tuple[ResultWarning, ...] = quantity_field("warnings")
 
 
 #: JSON keys of all numbers of an `Alternative`, for which differences are computed.
@@ -141,7 +141,7 @@ class SideBySide(Record):
         >>> [round(x, 1) for x in both.difference_percent("displacement_um")]
         [0.0, -0.5]
         """
-        values = [_middle_of_range((record_as_json(one) or {})[key]) for one in self.scenes]
+        values = [_middle_of_torque_range((record_as_json(one) or {})[key]) for one in self.scenes]
         if values[0] is None:
             return (None,) * len(values)
         found = [None if x is None else float(error_percent(x, values[0])) for x in values]
@@ -162,7 +162,7 @@ class SideBySide(Record):
         )
 
 
-def _middle_of_range(value: Any) -> float | None:
+def _middle_of_torque_range(value: Any) -> float | None:
     """Return the middle of a range [low, high], a single number unchanged, and None for None."""
     return None if value is None else float(np.mean(value))
 
@@ -233,8 +233,8 @@ def _torque_ranges_and_inertia(one: Result) -> tuple[Band | None, Band | None, f
         return one.drive.running, one.drive.starting, one.drive.inertia
     if one.bearing_torque is not None:
         return one.bearing_torque.running, one.bearing_torque.starting, None
-    answers = one.solved[0].answers
-    sums: Mapping[str, Any] | None = answers.friction if isinstance(answers, Answers) else None
+    answers = one.solved[0].derived_results
+    sums: Mapping[str, Any] | None = answers.friction if isinstance(answers, SceneResults) else None
     driving = None if sums is None else sums["driving_torque_on_screw_Nmm"]
     return None if driving is None else (1e-3 * driving, 1e-3 * driving), None, None
 

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.compare.models.answers import LoadAnswers, RollerAnswers, SetAnswers
-from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
+from rollbench.compare.models.answers import ContactLoadResults, NutOrBearingResults, RollerLoadResults
+from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.results.base import JSON, Record, Row, add_schema_version, format_table_as_html, warn_of_deprecation
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import duty_cycle_json, solved_case_json
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.lowfi.rating.contacts import Contact, contact_pressures
+from rollbench.lowfi.rating.contacts import BallContact, contact_pressures
 from rollbench.lowfi.statics.result import SetResult as SolvedSet
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Scene
 from rollbench.meshes.quantity import quantity_field, result_record
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
     from rollbench.compare.models import loading
     from rollbench.compare.models.load_cases import AxisDrive
-    from rollbench.compare.models.model_form import ModelForm
+    from rollbench.compare.models.model_form import ExpectedModelErrors
     from rollbench.lowfi.bearings.tapered_roller import RibContact
-    from rollbench.lowfi.bearings.torque import BallTorque, RollerTorque
+    from rollbench.lowfi.bearings.torque import BallBearingTorque, RollerBearingTorque
     from rollbench.lowfi.rating import life as rating
     from rollbench.lowfi.rating.catalogue_checks import ShaftLimits
     from rollbench.lowfi.rating.iso_lives import ModifiedLife, ReferenceLife
@@ -180,12 +180,12 @@ class SetResult(Balls):
     """Basic rating life; None if no contact is loaded, and outside the range of validity of the formulas."""
     rib: RibContact | None
     """Contact of the most loaded roller with the rib of its ring; None for balls, and if no contact is loaded."""
-    torque: RollerTorque | None
+    torque: RollerBearingTorque | None
     """Friction torque of a row of rollers [N m], from the work of friction and from Timken's formula; None for balls, and
     if no contact is loaded."""
     preload: Preload | None
     """Contact loads without the external loads of the scene; None if there is no equilibrium without these."""
-    bearing_torque: BallTorque | None = None
+    bearing_torque: BallBearingTorque | None = None
     """Friction torque of a ball bearing [N m]; None for nuts, and if no contact is loaded."""
     reference_life: ReferenceLife | None = None
     """Life of a bearing by ISO/TS 16281 [10^6 revolutions]; None for nuts, and if no contact is loaded."""
@@ -260,7 +260,7 @@ class Result(Record, Balls):
     nuts or bearings on one shaft."""
     preload: Preload | None = None
     """Contact loads without the external loads of the scene; with several nuts or bearings, see each of `sets`."""
-    bearing_torque: BallTorque | None = None
+    bearing_torque: BallBearingTorque | None = None
     """Friction torque of a single bearing [N m]; None for nuts, and if no contact is loaded."""
     drive: AxisDrive | None = None
     """Torques [N m] and moments of inertia [kg m^2] at the motor of an axis; None for a single nut or bearing."""
@@ -273,13 +273,13 @@ class Result(Record, Balls):
     """Results of each nut or bearing on a shaft with several, by name; empty for a single nut or bearing."""
     cases: Mapping[str, Result] = field(default_factory=dict)
     """Results of each load case, by name; empty without load cases."""
-    solved: tuple[Solved | SolvedAxis, ...] = ()
+    solved: tuple[SceneSolution | ShaftSolution, ...] = ()
     """Records of the solver with further details; one for each load case."""
-    tangents: tuple[Tangent | None, ...] = ()
+    tangents: tuple[TangentStiffness | None, ...] = ()
     """Stiffness at the axial position ``stiffness_at`` for each record of `solved`; None if no position was asked for."""
     cycle: DutyCycle | None = None
     """Duty cycle of the scene; None without load cases."""
-    together: CycleResults | None = None
+    together: DutyCycleResults | None = None
     """Totals over all load cases, such as the life; None without load cases."""
 
     @property
@@ -437,7 +437,7 @@ class Result(Record, Balls):
         from rollbench.compare.results.view import collect_view_data
         from rollbench.reports.view import viewer_page_html
 
-        if not any(one.answers for one in self.solved):
+        if not any(one.derived_results for one in self.solved):
             raise ValueError(f"{self.scene}: no loads to draw ({self.status}, {self.reason})")
         title = (self.cycle or self.solved[0].scene).title
         return viewer_page_html(collect_view_data(title, self.solved, self.to_dict(), [*self.cases], stores))
@@ -457,7 +457,7 @@ class Result(Record, Balls):
         rows = [
             row
             for one in self.solved
-            if isinstance(one, SolvedAxis) and not self.cases
+            if isinstance(one, ShaftSolution) and not self.cases
             for row in bearing_and_nut_rows(one)
         ]
         return super()._repr_html_() + (format_table_as_html([[*row.values()] for row in rows], [*rows[0]]) if rows else "")
@@ -465,7 +465,7 @@ class Result(Record, Balls):
     @property
     def _notes(self) -> tuple[str, ...]:
         status = f"{self.status}: {self.reason}" if self.reason else self.status
-        worth = () if self.cases or not self.converged else (expected_error_sentence(self.solved[0].expected),)
+        worth = () if self.cases or not self.converged else (expected_error_sentence(self.solved[0].expected_errors),)
         return (f"{self.scene}, {model_title(self.model)}: {status}", *worth, *self.warnings)
 
     def __repr__(self) -> str:
@@ -483,11 +483,11 @@ class Result(Record, Balls):
 
 
 def result_from_solutions(
-    solved: Sequence[Solved | SolvedAxis],
-    tangents: Sequence[Tangent | None],
-    at_nut: Sequence[Tangent | None],
+    solved: Sequence[SceneSolution | ShaftSolution],
+    tangents: Sequence[TangentStiffness | None],
+    at_nut: Sequence[TangentStiffness | None],
     cycle: DutyCycle | None = None,
-    cycle_results: CycleResults | None = None,
+    cycle_results: DutyCycleResults | None = None,
 ) -> Result:
     """Convert the solver's records of a scene, or of the load cases of a duty cycle, to a `Result`.
 
@@ -525,9 +525,9 @@ def result_from_solutions(
         assumed=tuple(dict.fromkeys(words for one in each for words in one.assumed)),
         left_out=tuple(dict.fromkeys(words for one in each for words in one.left_out)),
         worst=max(worst, key=lambda w: w.pressure, default=None),
-        life=_life_record(cycle_results.least.life, cycle_results.speed),
-        modified_life=cycle_results.least.modified,
-        reference_life=cycle_results.least.reference,
+        life=_life_record(cycle_results.shortest_lives.life, cycle_results.speed),
+        modified_life=cycle_results.shortest_lives.modified,
+        reference_life=cycle_results.shortest_lives.reference,
         axis_life=cycle_results.axis_life,
         cases={case.name: one for case, one in zip(cycle.cases, each, strict=True)},
         solved=tuple(solved),
@@ -537,7 +537,9 @@ def result_from_solutions(
     )
 
 
-def _result_of_load_case(solved: Solved | SolvedAxis, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+def _result_of_load_case(
+    solved: SceneSolution | ShaftSolution, tangent: TangentStiffness | None, at_nut: TangentStiffness | None
+) -> Result:
     """Convert the solver's record of one load case to a `Result`.
 
     ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``: stiffness at the nut's centre. Both
@@ -557,20 +559,22 @@ def _result_of_load_case(solved: Solved | SolvedAxis, tangent: Tangent | None, a
         tangents=(tangent,),
     )
     return (
-        _add_single_set_results(head, solved, tangent, at_nut)
-        if isinstance(solved, Solved)
-        else _add_axis_results(head, solved)
+        _add_nut_or_bearing_results(head, solved, tangent, at_nut)
+        if isinstance(solved, SceneSolution)
+        else _add_shaft_results(head, solved)
     )
 
 
-def _add_single_set_results(head: Result, solved: Solved, tangent: Tangent | None, at_nut: Tangent | None) -> Result:
+def _add_nut_or_bearing_results(
+    head: Result, solved: SceneSolution, tangent: TangentStiffness | None, at_nut: TangentStiffness | None
+) -> Result:
     """Return the result of a scene with a single nut or bearing: ``head`` with all quantities filled in.
 
     ``solved``: record of the solver. ``tangent``: stiffness at the axial position that the user asked for. ``at_nut``:
     stiffness at the nut's centre. Both are None if they were not computed. Without equilibrium only the positions of the
     balls are filled in.
     """
-    answers = solved.answers
+    answers = solved.derived_results
     balls = _ball_positions_and_loads(solved.scene, solved.result, solved=answers is not None)
     if answers is None:
         return replace(head, azimuth=balls.azimuth, z=balls.z)
@@ -579,58 +583,58 @@ def _add_single_set_results(head: Result, solved: Solved, tangent: Tangent | Non
     return replace(
         head,
         **vars(balls),
-        force=answers.force,
-        displacement=answers.motion,
-        rigidity=None if answers.rigidities is None else answers.rigidities.unequal,
+        force=answers.axial_force,
+        displacement=answers.screw_displacement,
+        rigidity=None if answers.rigidities is None else answers.rigidities.with_unequal_loads,
         stiffness=None if K is None else K.matrix,
         axial_stiffness=None if at_nut is None else at_nut.rigidity("uz"),
-        worst=_worst_contact("", answers.loads),
-        life=_life_record(answers.loads.life, speed),
-        modified_life=answers.loads.modified,
-        reference_life=answers.loads.reference,
-        shaft=answers.shaft,
+        worst=_worst_contact("", answers.load_results),
+        life=_life_record(answers.load_results.life, speed),
+        modified_life=answers.load_results.modified,
+        reference_life=answers.load_results.reference,
+        shaft=answers.shaft_limits,
         preload=_preload_record(answers.preload),
-        bearing_torque=answers.torque,
-        expected_error=expected_error_record(solved.expected),
+        bearing_torque=answers.bearing_torque,
+        expected_error=expected_error_record(solved.expected_errors),
     )
 
 
-def _add_axis_results(head: Result, solved: SolvedAxis) -> Result:
+def _add_shaft_results(head: Result, solved: ShaftSolution) -> Result:
     """Return the result of a shaft with several nuts or bearings: ``head`` with all quantities filled in.
 
     ``solved``: record of the solver. Without equilibrium only the names and positions of the nuts and bearings are filled
     in.
     """
-    found, answers = solved.result, solved.answers
+    found, answers = solved.result, solved.derived_results
     speed = None if solved.scene.motion is None else solved.scene.motion.speed
-    each = [None] * len(found.sets) if answers is None else [*answers.sets]
-    sets = {s.of.name: _result_of_set(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
+    each = [None] * len(found.sets) if answers is None else [*answers.set_results]
+    sets = {s.of.name: _result_of_nut_or_bearing(s, x, speed) for s, x in zip(found.sets, each, strict=True)}
     if answers is None:
         return replace(head, sets=sets)
     balls = [s for s in sets.values() if s.loads is not None]
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(s, name) for s in balls]) if balls else None for name in vars(Balls())
     }
-    worst = next((sets[found.sets[i].of.name].worst for i in answers.sets_by_pressure), None)
+    worst = next((sets[found.sets[i].of.name].worst for i in answers.set_indices_by_pressure), None)
     lives = [s.life for s in sets.values() if s.life is not None]
     moved = answers.displacement
     return replace(
         head,
         **joined,
         sets=sets,
-        force=answers.force,
-        displacement=answers.motion,
-        rigidity=answers.force / moved if moved and answers.force else None,
+        force=answers.axial_load,
+        displacement=answers.displacement_at_position,
+        rigidity=answers.axial_load / moved if moved and answers.axial_load else None,
         stiffness=found.stiffness,
         axial_stiffness=None if found.stiffness is None else float(found.stiffness[2, 2]),
         worst=worst,
         life=min(lives, key=lambda life: life.L10, default=None),
-        drive=solved.drive,
-        axis_life=solved.life,
+        drive=solved.motor_torques,
+        axis_life=solved.combined_life,
     )
 
 
-def _result_of_set(solved_set: SolvedSet, answers: SetAnswers | None, speed: float | None) -> SetResult:
+def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResults | None, speed: float | None) -> SetResult:
     """Convert the solver's record of one nut or bearing on a shaft to a `SetResult`.
 
     ``answers``: results from its contact loads; None if there is no equilibrium. ``speed``: speed of rotation [rad/s], for
@@ -642,7 +646,7 @@ def _result_of_set(solved_set: SolvedSet, answers: SetAnswers | None, speed: flo
         if answers and solved_set.balls and isinstance(answers.parts, Scene)
         else None
     )
-    loads = None if answers is None else answers.loads
+    loads = None if answers is None else answers.load_results
     return SetResult(
         **({} if balls is None else vars(balls)),
         name=solved_set.of.name,
@@ -654,10 +658,10 @@ def _result_of_set(solved_set: SolvedSet, answers: SetAnswers | None, speed: flo
         roller_loads=solved_set.roller_load if known else None,
         worst=None if loads is None else _worst_contact(solved_set.of.name, loads),
         life=None if loads is None else _life_record(loads.life, speed),
-        rib=loads.rib if isinstance(loads, RollerAnswers) else None,
-        torque=loads.torque if isinstance(loads, RollerAnswers) else None,
+        rib=loads.rib_contact if isinstance(loads, RollerLoadResults) else None,
+        torque=loads.torque if isinstance(loads, RollerLoadResults) else None,
         preload=None if answers is None else _preload_record(answers.preload),
-        bearing_torque=None if answers is None else answers.torque,
+        bearing_torque=None if answers is None else answers.friction_torque,
         reference_life=None if loads is None else loads.reference,
     )
 
@@ -674,20 +678,20 @@ def _ball_positions_and_loads(scene: Scene, result: StaticResult, *, solved: boo
     return Balls(azimuth=result.azimuth, z=result.z, loads=result.load, angles=angles, pressure=pressure)
 
 
-def _worst_contact(name: str, answers: LoadAnswers | RollerAnswers) -> WorstContact | None:
+def _worst_contact(name: str, answers: ContactLoadResults | RollerLoadResults) -> WorstContact | None:
     """Return the contact with the highest pressure in one nut or bearing; None if no contact is loaded.
 
     ``name``: name of the nut or bearing. ``answers``: results from its contact loads.
     """
-    w, safety = answers.worst, answers.safety
+    w, safety = answers.worst_contact, answers.safety
     if w is None or safety is None:
         return None
-    if isinstance(w, Contact):
+    if isinstance(w, BallContact):
         return WorstContact(name, w.ball, w.side, w.force, w.pressure, safety.factor, w.angle, w.approach, (w.a, w.b))
     return WorstContact(name, w.roller, w.race, w.force, w.pressure, safety.factor, None, None, None)
 
 
-def _life_record(known: rating.Life | None, speed: float | None) -> Life | None:
+def _life_record(known: rating.BasicRatingLife | None, speed: float | None) -> Life | None:
     """Convert a computed basic rating life to the record `Life` of a result; None without a life.
 
     ``speed``: speed of rotation [rad/s], for the running time until the end of the life; None if it is not known.
@@ -703,7 +707,7 @@ def _preload_record(known: loading.Preload | None) -> Preload | None:
     return None if known is None else Preload(known.mean, known.largest, known.axial, known.loaded)
 
 
-def expected_error_record(model_form: ModelForm | None) -> ExpectedError | None:
+def expected_error_record(model_form: ExpectedModelErrors | None) -> ExpectedError | None:
     """Convert the estimated error of a model to the record `ExpectedError` of a result.
 
     Parameters

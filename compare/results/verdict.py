@@ -11,10 +11,10 @@ from rollbench.compare.gate import verdict as gate
 from rollbench.compare.gate.user import GateRequest, check_scenes
 from rollbench.compare.gate.verdict import CODES, LARGEST, Word, quantities_without_verdict, worst_verdict
 from rollbench.compare.models.comparison import RULE
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.results.base import JSON, Record, add_schema_version
 from rollbench.compare.scenes.duty_cycle import Described, load_cases_by_scene_name
-from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+from rollbench.compare.scenes.scene_file import scenes_to_solve
 
 
 class Judgement(StrEnum):
@@ -192,7 +192,11 @@ class Verdict(Record):
 
 
 def judge_scenes(
-    described: Sequence[Described], names: Sequence[str], request: GateRequest, engine: Engine, step: Callable[[str], None]
+    described: Sequence[Described],
+    names: Sequence[str],
+    request: GateRequest,
+    engine: ComputingSettings,
+    step: Callable[[str], None],
 ) -> Verdict:
     """Judge scenes and their load cases, and return all judgements as one record.
 
@@ -221,11 +225,11 @@ def judge_scenes(
     """
     warnings: list[str] = []
     judged = judge_load_cases(described, names, request, engine, step, warnings.append)
-    left = quantities_without_verdict(judged) if request.loads or request.values else []
-    return Verdict(tuple(map(_row_of_gate_verdict, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
+    left = quantities_without_verdict(judged) if request.loads_file or request.values_file else []
+    return Verdict(tuple(map(_verdict_row, judged)), tuple(warnings), tuple(left), tuple(judged), tuple(described))
 
 
-def _row_of_gate_verdict(gate_verdict: gate.Verdict) -> VerdictRow:
+def _verdict_row(gate_verdict: gate.Verdict) -> VerdictRow:
     """Convert the gate's verdict on one quantity to a row of the record that `rollbench.check` returns."""
     return VerdictRow(
         scene=gate_verdict.scene,
@@ -251,7 +255,7 @@ def judge_load_cases(
     described: Sequence[Described],
     names: Sequence[str],
     request: GateRequest,
-    engine: Engine,
+    engine: ComputingSettings,
     step: Callable[[str], None],
     warn: Callable[[str], None],
 ) -> list[gate.Verdict]:
@@ -276,13 +280,13 @@ def judge_load_cases(
         If a scene, file or limit cannot be used.
     """
     cases = load_cases_by_scene_name(described)
-    scenes = [scene for one, name in zip(described, names, strict=True) for scene in scenes_of_load_cases(one, name)]
-    of_one = {scene: case.case.name for scene, case in cases.items()} if len(described) == 1 else {}
+    scenes = [scene for one, name in zip(described, names, strict=True) for scene in scenes_to_solve(one, name)]
+    of_one = {scene: case.load_case.name for scene, case in cases.items()} if len(described) == 1 else {}
     out = []
     for v in check_scenes(scenes, request, engine, step, warn, of_one):
         case = cases.get(v.scene)
         lost: Word = "not converged" if v.word == "fail" and v.error is None else v.word
-        out.append(v if case is None else replace(v, scene=case.cycle.name, case=case.case.name, word=lost))
+        out.append(v if case is None else replace(v, scene=case.duty_cycle.name, case=case.load_case.name, word=lost))
     return out
 
 
@@ -306,9 +310,9 @@ def verdicts_json(described: Sequence[Described], verdicts: Sequence[gate.Verdic
     data: dict[str, Any] = {"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]}
     cases, graveness = [], []
     for case in load_cases_by_scene_name(described).values():
-        its = [v for v in verdicts if (v.scene, v.case) == (case.cycle.name, case.case.name)]
+        its = [v for v in verdicts if (v.scene, v.case) == (case.duty_cycle.name, case.load_case.name)]
         word, beyond = worst_verdict([v.word for v in its]), max((abs(v.error or 0.0) / v.limit for v in its), default=0.0)
-        cases.append(case.keys | {"verdict": word, "verdicts": [v.as_json() for v in its]})
+        cases.append(case.identifying_values | {"verdict": word, "verdicts": [v.as_json() for v in its]})
         graveness.append(([*CODES].index(word), -beyond))
     if not cases:
         return data

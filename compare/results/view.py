@@ -9,27 +9,27 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent, mean_load
-from rollbench.compare.models.load_cases import Solved, SolvedAxis
+from rollbench.compare.models.load_cases import SceneSolution, ShaftSolution
 from rollbench.compare.quantities import count_with_noun
 from rollbench.compare.reference.estimate import Reference, reference_of_scene
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import SIDE_SIGNS, Scene
 from rollbench.meshes.surface import groove_radius_with_slopes
-from rollbench.reports.content import CaseView, SetView, View
+from rollbench.reports.content import LoadCaseView, NutOrBearingView, SceneView
 
 
 def collect_view_data(
     title: str,
-    solved: Sequence[Solved | SolvedAxis],
+    solved: Sequence[SceneSolution | ShaftSolution],
     results: Mapping[str, Any],
     cases: Sequence[str] = (),
     stores: Sequence[Path] | None = None,
     given: Reference | None = None,
-) -> View:
+) -> SceneView:
     """Collect the data for the 3D view of a solved scene and its load cases.
 
     Parameters
@@ -54,9 +54,9 @@ def collect_view_data(
     """
     each = [_view_data_of_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
     words = [count_with_noun(len(cases), "load case")] if cases else []
-    sets = len(each[0].sets)
+    sets = len(each[0].nuts_and_bearings)
     words += [count_with_noun(sets, "set")] if sets > 1 else []
-    return View(
+    return SceneView(
         title,
         ", ".join([solved[0].scene.name if not cases else results["scene"], f"model {results['model']}", *words]),
         each,
@@ -65,31 +65,35 @@ def collect_view_data(
 
 
 def _view_data_of_case(
-    name: str, one: Solved | SolvedAxis, stores: Sequence[Path] | None, given: Reference | None
-) -> CaseView:
+    name: str, one: SceneSolution | ShaftSolution, stores: Sequence[Path] | None, given: Reference | None
+) -> LoadCaseView:
     """Return the data of one solved load case for the 3D view.
 
     ``name``: name of the load case. ``one``: its solution. ``stores``: folders with runs of the 3D reference. ``given``:
     reference of the user that replaces the stored runs; None: no such reference.
     """
-    if isinstance(one, Solved):
+    if isinstance(one, SceneSolution):
         known = given or reference_of_scene(one.scene, stores)
-        expected = None if one.expected is None or one.expected.percent is None else 0.01 * one.expected.percent
-        mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.answers else 0.0
+        expected = (
+            None
+            if one.expected_errors is None or one.expected_errors.percent is None
+            else 0.01 * one.expected_errors.percent
+        )
+        mean = mean_load(one.result.load, nominal_contacts(one.scene, one.result)) if one.derived_results else 0.0
         share = None if expected is None else expected * mean
         kind = "ball nut" if one.scene.track.lead else "bearing"
         found = _view_data_of_ball_row(
-            "", kind, one.scene, one.scene.nut.position, one.result, one.answers is not None, known, share
+            "", kind, one.scene, one.scene.nut.position, one.result, one.derived_results is not None, known, share
         )
-        return CaseView(name, [found])
+        return LoadCaseView(name, [found])
     sets = []
     for s in one.result.sets:
-        solved = one.answers is not None
+        solved = one.derived_results is not None
         if s.balls is not None and isinstance(s.of.parts, Scene):
             sets.append(_view_data_of_ball_row(s.of.name, s.of.kind, s.of.parts, s.of.position, s.balls, solved))
         else:
-            sets.append(SetView(s.of.name, s.of.kind, s.of.parts, s.of.position, s.of.thrust))
-    return CaseView(name, sets, one.scene)
+            sets.append(NutOrBearingView(s.of.name, s.of.kind, s.of.parts, s.of.position, s.of.thrust))
+    return LoadCaseView(name, sets, one.scene)
 
 
 def _view_data_of_ball_row(
@@ -101,23 +105,23 @@ def _view_data_of_ball_row(
     solved: bool,
     reference: Reference | None = None,
     expected_load_error: float | None = None,
-) -> SetView:
+) -> NutOrBearingView:
     """Return the data of one solved ball nut or ball bearing for the 3D view.
 
     ``name``, ``kind``: its name, and the text "ball nut" or "bearing". ``position``: its axial position [m]. ``found``: its
     solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
     ``expected_load_error``: error to expect of the contact loads [N].
     """
-    closer = clearance_reduction_by_errors(parts, found.member)
+    closer = gap_reduction_by_errors(parts, found.member)
     if not solved:
-        return SetView(name, kind, parts, position, closer=closer)
+        return NutOrBearingView(name, kind, parts, position, closer=closer)
     errors = None
     if reference is not None:
         either = (found.load > 0.0) | (reference.load > 0.0)
         percent = np.where(either, error_percent(found.load, reference.load, reference.mean), np.nan)
         errors = (reference.label, reference.load, reference.uncertainty, percent)
     forces = found.force_direction * found.load[..., None]
-    return SetView(
+    return NutOrBearingView(
         name,
         kind,
         parts,
@@ -130,16 +134,16 @@ def _view_data_of_ball_row(
     )
 
 
-def clearance_reduction_by_errors(scene: Scene, member: int = 0) -> Array:
+def gap_reduction_by_errors(scene: Scene, member: int = 0) -> Array:
     """Return by how much geometric errors reduce the gap between each of n balls and its four groove flanks, (n, 4) [m].
 
     ``member``: number of the specimen with its random errors. The gap is measured along the nominal contact normal n:
     delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball radius r_B, groove centre c, and groove radius rho at the
     nominal contact angle; nominal values have a 0. The formula is of first order in the errors.
     """
-    drawn, beta = draw_specimen(scene, ball_layout(scene), member), scene.track.contact_angle
+    drawn, beta = draw_geometry_with_errors(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])
-    moved = np.einsum("nsk,sk->ns", drawn.centre - nominal_groove_centres(scene), normal)
-    flanks = zip(drawn.radius, drawn.profile, strict=True)
+    moved = np.einsum("nsk,sk->ns", drawn.groove_centres - nominal_groove_centres(scene), normal)
+    flanks = zip(drawn.groove_radii, drawn.profile_coefficients, strict=True)
     radius = np.array([groove_radius_with_slopes(np.array(beta), r, profile)[0] for r, profile in flanks])
-    return np.asarray((drawn.ball_radius - scene.balls.radius)[:, None] - moved - (radius - nominal_groove_radii(scene)))
+    return np.asarray((drawn.ball_radii - scene.balls.radius)[:, None] - moved - (radius - nominal_groove_radii(scene)))

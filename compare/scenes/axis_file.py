@@ -15,26 +15,26 @@ import numpy as np
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes.body_checks import geometry_faults
 from rollbench.compare.scenes.duty_cycle import DutyCycle
-from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_faults
+from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text, raise_scene_error_for_faults
 from rollbench.compare.scenes.from_keys import (
     friction_from_keys,
     load_case_faults,
     material_from_keys,
-    preload_force,
+    preload_force_and_rating_text,
     scene_from_keys,
     support_from_keys,
     with_load_cases,
 )
 from rollbench.compare.scenes.key_checks import conflicting_friction_key_faults, conflicting_key_faults, zero_speed_faults
 from rollbench.compare.scenes.schema import (
-    AxisKeys,
-    CaseHousingKeys,
     HousingKeys,
-    RollerKeys,
+    LoadCaseHousingKeys,
+    NutOrBearingKeys,
     SceneKeys,
     ScrewKeys,
-    SetKeys,
-    StiffKeys,
+    ShaftSceneKeys,
+    StiffnessKeys,
+    TaperedRollerKeys,
 )
 from rollbench.meshes.axis import (
     ARRANGEMENTS,
@@ -50,7 +50,7 @@ from rollbench.meshes.axis import (
 )
 from rollbench.meshes.one_arc import has_single_arc_grooves, with_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, Ingredients, Material, Scene, Screw
-from rollbench.meshes.ranges import ShareOfRating
+from rollbench.meshes.ranges import ShareOfLoadRating
 
 #: Values of ``thrust`` for a bearing row that carries axial force in one direction only.
 ONE_WAY = ("+z", "-z")
@@ -60,7 +60,9 @@ USUAL_CONFORMITY = 0.52
 NO_STIFFNESS = diagonal_stiffness((0.0,) * 6)
 
 
-def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene | DutyCycle:
+def shaft_scene_from_keys(
+    keys: ShaftSceneKeys, tables: Mapping[str, Any], file_name: str, name: str
+) -> Assembly | Scene | DutyCycle:
     """Return the shaft with nuts and bearings that a scene file describes, or its load cases; SceneError for faults.
 
     If the file describes a single nut or ball bearing that needs no table ``[[sets]]``, a `Scene` is returned.
@@ -69,9 +71,9 @@ def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: 
     ----------
     keys
         Validated keys of the scene file.
-    raw
+    tables
         Tables of the file as read from TOML, for the faulty values in messages.
-    origin
+    file_name
         Name of the file, for messages.
     name
         Name of the scene.
@@ -82,7 +84,7 @@ def build_axis_scene(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: 
         Record of the shaft; of its load cases (DutyCycle) if the file has a table ``[[cases]]``.
     """
     return with_load_cases(
-        _build_checked_assembly(keys, raw, origin, name), keys.cases, raw, origin, _geometry_faults_of_scene
+        _checked_shaft_from_keys(keys, tables, file_name, name), keys.cases, tables, file_name, _geometry_faults_of_scene
     )
 
 
@@ -93,21 +95,21 @@ def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
             yield from geometry_faults(one)
 
 
-def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
+def _checked_shaft_from_keys(keys: ShaftSceneKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
     """Return shaft, nuts, bearings and housings that a scene file describes outside its load cases, after all checks.
 
     ``keys``: validated keys of the file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name
     of the file, for messages; ``name``: name of the scene. SceneError for faults.
     """
-    raise_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
+    raise_scene_error_for_faults(origin, raw, [*_conflicting_key_faults(keys), *load_case_faults(keys)])
     sets = tuple(_rolling_set_from_keys(keys, i, raw, origin) for i in range(len(keys.sets)))
-    raise_faults(origin, raw, list(_position_faults(keys, sets)))
-    if _has_single_plain_set(keys):
+    raise_scene_error_for_faults(origin, raw, list(_position_faults(keys, sets)))
+    if _describes_one_nut_or_bearing(keys):
         shared = {
             n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion", "lubricant")
         }
-        whole = _scene_keys_of_set(keys, keys.sets[0]).model_copy(update=shared)
-        raise_faults(origin, raw, list(conflicting_key_faults(whole)))
+        whole = _scene_keys_of_nut_or_bearing(keys, keys.sets[0]).model_copy(update=shared)
+        raise_scene_error_for_faults(origin, raw, list(conflicting_key_faults(whole)))
         return scene_from_keys(whole, name)
     heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
     length, diameter = shaft.length, shaft.outer_diameter
@@ -120,7 +122,7 @@ def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str,
         sets=tuple(
             row
             for one, whole in zip(keys.sets, sets, strict=True)
-            for row in bearing_rows_of_arrangement(whole, one, len(sets))
+            for row in bearings_of_arrangement(whole, one, len(sets))
         ),
         segments=tuple(shaft.plain),
         housings=tuple(map(_housing_from_keys, keys.housings)),
@@ -129,7 +131,7 @@ def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str,
         loads=tuple(keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         source=keys.source,
-        assumed=(*keys.assumed, *_assumptions_of_sets(keys, sets)),
+        assumed=(*keys.assumed, *_assumptions_on_nuts_and_bearings(keys, sets)),
         friction=None if keys.friction is None else friction_from_keys(keys.friction),
         motion=keys.motion,
         lubricant=keys.lubricant,
@@ -139,7 +141,7 @@ def _build_checked_assembly(keys: AxisKeys, raw: Mapping[str, Any], origin: str,
     )
 
 
-def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
+def _assumptions_on_nuts_and_bearings(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterator[str]:
     """Yield a sentence on each assumption about a nut or bearing, such as a preload computed from the load rating.
 
     ``keys``: keys of the scene file; ``sets``: nuts and bearings built from ``keys.sets``, in the same order.
@@ -147,8 +149,11 @@ def _assumptions_of_sets(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator
     for one, whole in zip(keys.sets, sets, strict=True):
         if isinstance(whole.parts, Scene):
             yield from whole.parts.assumed
-            if isinstance(one.preload, ShareOfRating):
-                yield f"{whole.name}: preload of {whole.preload:g} N{preload_force(whole.parts, one.preload)[1]}"
+            if isinstance(one.preload, ShareOfLoadRating):
+                yield (
+                    f"{whole.name}: preload of {whole.preload:g} "
+                    f"N{preload_force_and_rating_text(whole.parts, one.preload)[1]}"
+                )
 
 
 def _housing_from_keys(housing: HousingKeys) -> Housing:
@@ -163,7 +168,7 @@ def _housing_from_keys(housing: HousingKeys) -> Housing:
     )
 
 
-def _has_single_plain_set(keys: AxisKeys) -> bool:
+def _describes_one_nut_or_bearing(keys: ShaftSceneKeys) -> bool:
     """Return whether a scene file describes only one nut or ball bearing, and could do so without a table ``[[sets]]``."""
     one = keys.sets[0]
     more = keys.housings or keys.screw.plain or keys.heat or one.carrier or one.offset or one.preload or one.arrangement
@@ -171,14 +176,14 @@ def _has_single_plain_set(keys: AxisKeys) -> bool:
     return len(keys.sets) == 1 and not more and one.balls is not None and one.thrust in (None, "both")
 
 
-def kind_of_set(set_keys: SetKeys) -> str:
+def kind_of_nut_or_bearing(set_keys: NutOrBearingKeys) -> str:
     """Return what a table ``[[sets]]`` of a scene file describes: "ball nut", "bearing" or "tapered roller bearing"."""
     if set_keys.rollers is not None:
         return "tapered roller bearing"
     return "bearing" if set_keys.track is not None and set_keys.track.lead == 0.0 else "ball nut"
 
 
-def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
+def _conflicting_key_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
     """Yield faults of a shaft's scene file: keys that exclude or need each other, and names that are missing or used twice.
 
     These are keys of friction, motion, drive, nuts, bearings, housings and joints, and names of housings to which other
@@ -188,7 +193,7 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
     yield from zero_speed_faults(keys.motion)
     yield from _drive_faults(keys)
     for i, one in enumerate(keys.sets):
-        yield from _set_faults(keys, i, one)
+        yield from _nut_or_bearing_faults(keys, i, one)
     names = [h.name for h in keys.housings]
     of_cases = [(f"cases[{k}].housings", [h.name for h in case.housings]) for k, case in enumerate(keys.cases)]
     for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names), *of_cases):
@@ -221,14 +226,14 @@ def _conflicting_key_faults(keys: AxisKeys) -> Iterator[Fault]:
             yield Fault((f"joints[{i}].between",), "two different housings", "name another housing: each of them is rigid")
 
 
-def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
+def _drive_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
     """Yield the faults of the tables [drive] and [lubricant] of a shaft's scene file.
 
     Faults are a lubricant without bearings; a mass without a nut, or with nuts of different leads; a time of acceleration
     without the speed to be reached; and an efficiency without mass and time of the acceleration.
     """
     leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
-    if keys.lubricant is not None and all(kind_of_set(one) == "ball nut" for one in keys.sets):
+    if keys.lubricant is not None and all(kind_of_nut_or_bearing(one) == "ball nut" for one in keys.sets):
         advice = "leave [lubricant] out: the friction of nuts is given by [friction]"
         yield Fault(("lubricant",), "only together with a bearing among the sets", advice, "a lubricant for nuts only")
     if keys.drive.mass and len(leads) != 1:
@@ -245,7 +250,7 @@ def _drive_faults(keys: AxisKeys) -> Iterator[Fault]:
         yield Fault(("drive.efficiency",), "only together with drive.mass and drive.time", advice)
 
 
-def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Fault]:
+def _nut_or_bearing_faults(keys: ShaftSceneKeys, number: int, set_keys: NutOrBearingKeys) -> Iterator[Fault]:
     """Yield faults of one table ``[[sets]]``, a nut or bearing: keys that exclude or need each other.
 
     ``keys``: keys of the whole file; ``set_keys``: keys of the nut or bearing; ``number``: its index, from 0, in the list
@@ -279,7 +284,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
                 yield Fault((f"{at}.{name}",), "a table", advice, "nothing")
         if set_keys.position is not None:
             yield Fault((f"{at}.position",), "only together with rollers", "write nut.position for a nut or a ring")
-    found_kind = kind_of_set(set_keys)
+    found_kind = kind_of_nut_or_bearing(set_keys)
     if set_keys.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "correct kind, or track.lead")
     if set_keys.preload and set_keys.thrust not in ONE_WAY and set_keys.arrangement is None:
@@ -297,7 +302,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
             "needs grooves of one arc each"
         )
         yield Fault((f"{at}.thrust",), '"deep groove", "+z" or "-z" with track.clearance', advice)
-    if set_keys.rollers is not None and isinstance(set_keys.preload, ShareOfRating):
+    if set_keys.rollers is not None and isinstance(set_keys.preload, ShareOfLoadRating):
         yield Fault((f"{at}.preload",), "a force", "write the force: the load rating of rollers is not computed")
     if set_keys.carrier is not None and set_keys.carrier == set_keys.housing:
         yield Fault((f"{at}.carrier",), f"another housing than {at}.housing", "name another housing in one of the two keys")
@@ -305,7 +310,7 @@ def _set_faults(keys: AxisKeys, number: int, set_keys: SetKeys) -> Iterator[Faul
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
 
-def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
+def _roller_end_faults(table_path: str, rollers: TaperedRollerKeys) -> Iterator[Fault]:
     """Yield the faults of keys for the ends of tapered rollers: edge rounding, rib height, and contact with the rib.
 
     ``table_path``: path of the table of rollers in the file, such as ``sets[0].rollers``; ``rollers``: its keys, of which
@@ -321,18 +326,18 @@ def _roller_end_faults(table_path: str, rollers: RollerKeys) -> Iterator[Fault]:
         advice = "write the height of the rib contact above the cone's race, usually 0.05 to 0.2 of the roller's diameter"
         yield Fault((f"{table_path}.rib_height",), f"below {length_text(0.5 * rollers.diameter)}", advice)
     elif rollers.end_radius is not None:
-        from rollbench.lowfi.bearings.tapered_roller import rib_geometry, rib_height
-        from rollbench.lowfi.rollers import tapered_bearing
+        from rollbench.lowfi.bearings.tapered_roller import rib_contact_geometry, rib_height
+        from rollbench.lowfi.rollers import tapered_bearing_of_row
 
         row = _roller_row_from_keys(rollers, Material(2e11, 0.3))  # the geometry does not depend on the moduli
         try:
-            rib_geometry(tapered_bearing(row), rollers.end_radius, rib_height(row))
+            rib_contact_geometry(tapered_bearing_of_row(row), rollers.end_radius, rib_height(row))
         except ValueError as error:
             advice = "correct end_radius or rib_height; usual radii are 0.8 to 0.95 of the distance from the apex"
             yield Fault((f"{table_path}.end_radius",), str(error), advice)
 
 
-def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
+def _stiffness_faults(keys: StiffnessKeys, where: str) -> Iterator[Fault]:
     """Yield the faults of a housing's or joint's stiffness: both springs and matrix given, or an invalid matrix.
 
     ``where``: path of its table in the file, such as ``joints[0]``.
@@ -348,14 +353,14 @@ def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
             yield Fault((f"{where}.matrix",), allowed, advice, "an invalid matrix")
 
 
-def _stiffness_from_keys(keys: StiffKeys) -> Stiffness | None:
+def _stiffness_from_keys(keys: StiffnessKeys) -> Stiffness | None:
     """Return the 6x6 stiffness of a housing or joint from its keys; None if neither springs nor a matrix are given."""
     if keys.matrix is not None:
         return checked_stiffness(np.array(keys.matrix))
     return None if keys.springs is None else diagonal_stiffness(tuple(keys.springs.model_dump().values()))
 
 
-def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
+def _scene_keys_of_nut_or_bearing(keys: ShaftSceneKeys, set_keys: NutOrBearingKeys) -> SceneKeys:
     """Return the keys of a scene with only one nut or bearing of a shaft, and with the shaft as its screw.
 
     ``keys``: keys of the shaft's file; ``set_keys``: keys of the nut or bearing, which take precedence for groove, diameter
@@ -386,7 +391,7 @@ def _scene_keys_of_set(keys: AxisKeys, set_keys: SetKeys) -> SceneKeys:
     )
 
 
-def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
+def _rolling_set_from_keys(keys: ShaftSceneKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
     """Return the nut or bearing that the table ``sets[i]`` of a scene file describes; SceneError for its faults.
 
     ``keys``: keys of the whole file; ``raw``: tables of the file, for the faulty values in messages; ``origin``: name of
@@ -394,25 +399,34 @@ def _rolling_set_from_keys(keys: AxisKeys, i: int, raw: Mapping[str, Any], origi
     """
     one = keys.sets[i]
     thrust = one.thrust or "both"
-    shared = (one.name, kind_of_set(one))
+    shared = (one.name, kind_of_nut_or_bearing(one))
     if one.rollers is not None:
         row = _roller_row_from_keys(one.rollers, material_from_keys(None, keys.material))
         of_rollers = (one.housing, one.offset, one.preload, thrust)
         return RollingSet(*shared, row, one.position or 0.0, *of_rollers, seals=one.seals)  # type: ignore[arg-type]
-    scene_keys = _scene_keys_of_set(keys, one)
+    scene_keys = _scene_keys_of_nut_or_bearing(keys, one)
     if "seed" not in one.errors.model_fields_set:  # without a seed in the file, each set draws different errors
         scene_keys = scene_keys.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
-    raise_faults(origin, raw, [_fault_with_set_prefix(f, i, raw) for f in conflicting_key_faults(scene_keys)])
-    scene = with_conformity_from_rigidity(scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
-    raise_faults(origin, raw, [_fault_with_set_prefix(f, i, raw) for f in geometry_faults(scene)])
+    raise_scene_error_for_faults(
+        origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in conflicting_key_faults(scene_keys)]
+    )
+    scene = with_groove_radii_from_rigidity(scene_from_keys(scene_keys, one.name), one, origin, f"sets[{i}]")
+    raise_scene_error_for_faults(origin, raw, [_fault_with_keys_of_shaft_file(f, i, raw) for f in geometry_faults(scene)])
     if one.thrust is None and has_single_arc_grooves(scene):
         scene, thrust = with_single_arc_grooves(scene), "deep groove"
-    scene = _with_one_arc_grooves(scene, thrust)
-    own_place = (one.housing, one.offset, preload_force(scene, one.preload)[0], thrust, one.carrier, one.seals)
+    scene = _with_single_arcs_for_thrust(scene, thrust)
+    own_place = (
+        one.housing,
+        one.offset,
+        preload_force_and_rating_text(scene, one.preload)[0],
+        thrust,
+        one.carrier,
+        one.seals,
+    )
     return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 
-def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
+def _roller_row_from_keys(rollers: TaperedRollerKeys, material: Material) -> RollerRow:
     """Return a row of tapered rollers from its keys ``rollers``; ``material``: material of rollers and rings."""
     row = RollerRow(
         rollers.count,
@@ -428,7 +442,7 @@ def _roller_row_from_keys(rollers: RollerKeys, material: Material) -> RollerRow:
     return replace(row, **given, crown=float("inf") if rollers.crown is None else rollers.crown)
 
 
-def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
+def _with_single_arcs_for_thrust(scene: Scene, thrust: str) -> Scene:
     """Return a ball bearing with one arc per groove; a bearing with ``thrust`` "both", or a nut, is returned unchanged.
 
     ``thrust``: direction of the axial force on the shaft that the bearing carries: "+z", "-z", "both" or "deep groove".
@@ -438,7 +452,7 @@ def _with_one_arc_grooves(scene: Scene, thrust: str) -> Scene:
     return replace(scene, track=replace(scene.track, arcs="-z" if thrust == "-z" else "+z"))
 
 
-def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
+def _fault_with_keys_of_shaft_file(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
     """Return a fault of one nut or bearing with its keys named as in the shaft's file, most with the prefix ``sets[i].``.
 
     ``fault``: fault of a scene that contains only the nut or bearing with the index ``i``; ``raw``: tables of the file.
@@ -451,7 +465,7 @@ def _fault_with_set_prefix(fault: Fault, i: int, raw: Mapping[str, Any]) -> Faul
     return replace(fault, keys=tuple(keys))
 
 
-def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
+def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
     """Yield the faults of positions along a shaft, of its supports, and of loads on housings that cannot move.
 
     Positions must lie on the shaft, its plain sections (without groove) must not overlap, and each support must fix a
@@ -481,7 +495,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
             yield Fault((f"screw.plain[{i}].bore",), f"below {length_text(p.diameter)}", "leave material around the hole")
         end = max(end, p.end)
     stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
-    tables: list[tuple[str, Sequence[HousingKeys | CaseHousingKeys]]] = [("housings", keys.housings)]
+    tables: list[tuple[str, Sequence[HousingKeys | LoadCaseHousingKeys]]] = [("housings", keys.housings)]
     tables += [(f"cases[{k}].housings", c.housings) for k, c in enumerate(keys.cases)]
     for table, housings in tables:
         for i, h in enumerate(housings):
@@ -492,9 +506,9 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
         if one.carrier in stands:
             advice = "remove a freedom from the housing's `fix`, or leave the set out"
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", advice)
-    held = [(s, n) for s in keys.supports for n in s.held]
+    held = [(s, n) for s in keys.supports for n in s.fixed_freedoms]
     for i, s in enumerate(keys.supports):
-        if not s.held:
+        if not s.fixed_freedoms:
             advice = 'write e.g. fix = ["ux", "uy"], or delete the support'
             yield Fault((f"supports[{i}].fix",), "at least one freedom", advice, "no freedom")
     for k, (s, n) in enumerate(held):
@@ -507,7 +521,7 @@ def _position_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fau
 # --- sets of bearings by name
 
 
-def arrangement_faults(set_path: str, set_keys: SetKeys) -> Iterator[Fault]:
+def arrangement_faults(set_path: str, set_keys: NutOrBearingKeys) -> Iterator[Fault]:
     """Yield the faults of keys of a bearing that are allowed only with an arrangement such as "DBD", or only without one.
 
     ``set_path``: path of the bearing's table in the file, such as ``sets[0]``; ``set_keys``: the keys of this table.
@@ -565,7 +579,7 @@ def preload_of_arrangement(arrangement: str, pair_preload: float) -> float:
     return float(pair_preload * (2.0 / shared) ** 1.5)
 
 
-def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, seed_step: int) -> Iterator[RollingSet]:
+def bearings_of_arrangement(single_bearing: RollingSet, set_keys: NutOrBearingKeys, seed_step: int) -> Iterator[RollingSet]:
     """Yield each bearing of an arrangement, side by side about the position of the arrangement.
 
     Without an arrangement, only ``single_bearing`` is yielded.
@@ -594,19 +608,21 @@ def bearing_rows_of_arrangement(single_bearing: RollingSet, set_keys: SetKeys, s
             single_bearing.position + (k - 0.5 * (len(ways) - 1)) * parts.nut.length,
         )
         errors = replace(parts.errors, seed=parts.errors.seed + seed_step * k)
-        row = _with_one_arc_grooves(replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way)
+        row = _with_single_arcs_for_thrust(
+            replace(parts, name=name, nut=replace(parts.nut, position=at), errors=errors), way
+        )
         share = total / ways.count(way) if len(set(ways)) == 2 else 0.0
         yield replace(single_bearing, name=name, parts=row, position=at, thrust=way, preload=share)
 
 
-def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> float:
+def conformity_for_rigidity(bearing: Scene, preload: float, rigidity: float) -> float:
     """Return the conformity (groove radius over ball diameter) at which a pair of bearings has a given axial rigidity.
 
     Both grooves of the bearing have this conformity.
 
     Parameters
     ----------
-    parts
+    bearing
         One bearing of the pair; its groove radii are not used.
     preload
         Preload of the pair [N].
@@ -620,10 +636,10 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
     """
     from rollbench.lowfi.bearings.angular_contact import CatalogueBearings, conformity_from_pair_rigidity
 
-    steel, track = parts.nut.material, parts.track
+    steel, track = bearing.nut.material, bearing.track
     rows = CatalogueBearings(
-        balls=np.array([float(parts.ball_count)]),
-        ball_diameter=np.array([2.0 * parts.balls.radius]),
+        balls=np.array([float(bearing.ball_count)]),
+        ball_diameter=np.array([2.0 * bearing.balls.radius]),
         pitch_diameter=np.array([2.0 * track.pitch_radius]),
         conformity=np.array([USUAL_CONFORMITY]),
         free_angle=np.array([track.contact_angle]),
@@ -633,24 +649,24 @@ def conformity_for_rigidity(parts: Scene, preload: float, rigidity: float) -> fl
     return float(conformity_from_pair_rigidity(rows, np.array([preload]), np.array([rigidity]))[0])
 
 
-def with_conformity_from_rigidity(parts: Scene, set_keys: SetKeys, origin: str, set_path: str) -> Scene:
+def with_groove_radii_from_rigidity(bearing: Scene, set_keys: NutOrBearingKeys, file_name: str, set_path: str) -> Scene:
     """Return a bearing with the groove radii that follow from the axial rigidity stated for a pair of such bearings.
 
-    ``parts``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload of
-    the pair; ``origin``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such as
-    ``sets[0]``. InputError if no groove radius gives the rigidity.
+    ``bearing``: the bearing, returned unchanged if no rigidity is given; ``set_keys``: its keys, with rigidity and preload
+    of the pair; ``file_name``: name of the file, for messages; ``set_path``: path of the bearing's table in the file, such
+    as ``sets[0]``. InputError if no groove radius gives the rigidity.
     """
     if set_keys.pair_rigidity is None:
-        return parts
+        return bearing
     given = f"{1e-6 * set_keys.pair_rigidity:g} N/um at {set_keys.pair_preload:g} N"
     try:
-        implied = conformity_for_rigidity(parts, set_keys.pair_preload, set_keys.pair_rigidity)
+        implied = conformity_for_rigidity(bearing, set_keys.pair_preload, set_keys.pair_rigidity)
     except ValueError as error:
         allowed = "a rigidity that follows from a conformity of the grooves"
         raise InputError(
-            origin, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
+            file_name, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
         ) from None
-    groove = 2.0 * implied * parts.balls.radius
-    text = f"{parts.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."
-    screw, nut = replace(parts.screw, groove_radius=groove), replace(parts.nut, groove_radius=groove)
-    return replace(parts, screw=screw, nut=nut, assumed=(*parts.assumed, text))
+    groove = 2.0 * implied * bearing.balls.radius
+    text = f"{bearing.name}: conformity {implied:.4f} of both grooves, from the rigidity of a pair, {given}."
+    screw, nut = replace(bearing.screw, groove_radius=groove), replace(bearing.nut, groove_radius=groove)
+    return replace(bearing, screw=screw, nut=nut, assumed=(*bearing.assumed, text))

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from rollbench.compare.scenes.fault import TOLERANCE, Fault, length_text
-from rollbench.lowfi.statics.problem import PrescribedMotion, contradiction, describe_prescribed_value
+from rollbench.lowfi.statics.problem import PrescribedMotion, describe_prescribed_value, find_support_contradiction
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import are_in_shifted_half, draw_specimen
+from rollbench.meshes.errors import are_in_shifted_half, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.parts import SIDES, Flange, Nut, Scene
@@ -98,18 +98,18 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
     There the flank is at least as curved as the ball; or the scene selects the formula printed in Lin's Table B.1, and that
     has no solution.
     """
-    from rollbench.lowfi.statics.contacts import curvature_changes, nominal_curvatures, printed_sides
+    from rollbench.lowfi.statics.contacts import curvature_changes, misprinted_hertz_of_flanks, nominal_curvatures
 
     if scene.ingredients.hertz == "as printed":
         try:
             with np.errstate(invalid="ignore"):
-                printed_sides(scene)
+                misprinted_hertz_of_flanks(scene)
         except ValueError as error:
             advice = f"choose one of these: the printed formula (Lin Table B.1) has no solution for these radii ({error})"
             yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)
         return
-    drawn = draw_specimen(scene, ball_layout(scene))
-    curvature = nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius)
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
+    curvature = nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radii)
     bad = np.argwhere(~(curvature.min(axis=-1) > 0.0) | ~np.isfinite(curvature).all(axis=-1))
     if bad.size:
         ball, side = (int(k) for k in bad[0])
@@ -237,14 +237,14 @@ def _rigid_screw_support_faults(scene: Scene) -> Iterator[Fault]:
     """Yield a fault if no rigid-body motion of a rigid screw satisfies all its supports."""
     if scene.ingredients.screw != "rigid":
         return
-    clash = contradiction(scene)
+    clash = find_support_contradiction(scene)
     if clash is None:
         return
-    held, others = clash.held, ", ".join(f"{x.freedom} of supports[{x.support}]" for x in clash.by)
-    where = f"supports[{held.support}]"
+    held, others = clash.contradicted, ", ".join(f"{x.freedom} of supports[{x.support_index}]" for x in clash.implied_by)
+    where = f"supports[{held.support_index}]"
     advice = f'correct one of the supports, or write screw = "beam": for a rigid screw, {others} determine this value'
-    value = f"{held.freedom} = {describe_prescribed_value(held)} at {length_text(scene.supports[held.support].at)}"
-    allowed = describe_prescribed_value(PrescribedMotion(held.support, held.freedom, clash.implied))
+    value = f"{held.freedom} = {describe_prescribed_value(held)} at {length_text(scene.supports[held.support_index].at)}"
+    allowed = describe_prescribed_value(PrescribedMotion(held.support_index, held.freedom, clash.implied))
     yield Fault((f"{where}.displace.{held.freedom}", f"{where}.fix"), allowed, advice, value)
 
 
@@ -311,7 +311,7 @@ def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
         advice = "enlarge the lead or use smaller balls: those of neighbouring turns would overlap"
         yield Fault(("track.lead",), allowed, advice)
         return
-    pair = overlapping_pair(centres, radii)
+    pair = first_overlapping_balls(centres, radii)
     if pair is not None:
         i, j = pair
         apart = float(np.linalg.norm(centres[i] - centres[j]))
@@ -320,7 +320,7 @@ def _ball_position_faults(scene: Scene, radii: Array) -> Iterator[Fault]:
         yield Fault(where, allowed, "use fewer or smaller balls, or spread them over more turns", value)
 
 
-def overlapping_pair(centres: Array, radii: Array) -> tuple[int, int] | None:
+def first_overlapping_balls(centres: Array, radii: Array) -> tuple[int, int] | None:
     """Return the indices of the first two balls that overlap, the lower index first; None if no balls overlap.
 
     Parameters

@@ -16,9 +16,9 @@ from rollbench.meshes.parts import Scene
 
 if TYPE_CHECKING:
     from rollbench.compare.scenes.duty_cycle import Described
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
-Of = TypeVar("Of", bound="KindScene")
+Of = TypeVar("Of", bound="FrictionScene")
 
 
 @cache
@@ -43,13 +43,13 @@ def kind_of_shipped_scene(name: str) -> str:
 
 
 @cache
-def names_of_single_set_scenes() -> tuple[str, ...]:
+def names_of_single_nut_scenes() -> tuple[str, ...]:
     """Return the sorted names of the scenes included in rollbench that have only one nut or bearing row."""
     return tuple(n for n in scene_names() if top_level_keys(n).get("kind") not in (AXIS, *KINDS))
 
 
 @cache
-def names_with_role(role: str) -> tuple[str, ...]:
+def names_of_scenes_with_role(role: str) -> tuple[str, ...]:
     """Return the sorted names of the scenes included in rollbench that have a given role in the validation report.
 
     ``role``: beginning of the role: "referenced" (case study with a 3D reference), "unseen" (scene not used when the models
@@ -89,7 +89,7 @@ def shipped_scene_of_kind(name: str, kind: type[Of]) -> Of:
     return described
 
 
-def any_scene(name_or_path: str) -> Described:
+def scene_of_any_kind(name_or_path: str) -> Described:
     """Return a scene of any kind: one that is included in rollbench, by its name, or one read from a file.
 
     A text that is not the name of an included scene is a path if it ends in ``.toml``, contains a path separator, or names
@@ -102,7 +102,7 @@ def any_scene(name_or_path: str) -> Described:
 
     Returns
     -------
-    Scene, Assembly, DutyCycle or KindScene
+    Scene, Assembly, DutyCycle or FrictionScene
         The scene.
 
     Raises
@@ -126,7 +126,7 @@ def scene(name_or_path: str) -> Scene:
     """
     from rollbench.compare.scenes import scene_file
 
-    return scene_file.single_set_or_raise(any_scene(name_or_path), name_or_path)
+    return scene_file.single_nut_scene_or_raise(scene_of_any_kind(name_or_path), name_or_path)
 
 
 def looks_like_path(text: str) -> bool:

@@ -11,11 +11,11 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.quantity import quantity_field, result_record
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
 
 #: Classes of all kinds of scenes that a file may describe.
-Described: TypeAlias = "Scene | KindScene | Assembly | DutyCycle"
+Described: TypeAlias = "Scene | FrictionScene | Assembly | DutyCycle"
 
 
 @result_record
@@ -47,10 +47,15 @@ class DutyCycle:
 
     def to_toml(self) -> str:
         """Return the duty cycle as the text of a scene file."""
-        from rollbench.meshes.scene_text import axis_tables, load_case_table, scene_tables, toml_of_tables
+        from rollbench.meshes.scene_text import (
+            load_case_table,
+            scene_file_tables,
+            scene_file_tables_of_shaft,
+            toml_of_tables,
+        )
 
         parts = self.parts
-        tables = scene_tables(parts) if isinstance(parts, Scene) else axis_tables(parts)
+        tables = scene_file_tables(parts) if isinstance(parts, Scene) else scene_file_tables_of_shaft(parts)
         cases = []
         for case in self.cases:
             table = load_case_table(case.share, case.time, case.speed, parts, case.scene)
@@ -80,30 +85,30 @@ class DutyCycle:
         return {s.name: s.parts for s in self.parts.sets}
 
     @property
-    def shares(self) -> tuple[float, ...]:
+    def revolution_shares(self) -> tuple[float, ...]:
         """Share of each load case in all revolutions of the cycle; the sum is 1."""
         return tuple(case.share for case in self.cases)
 
 
 @dataclass(frozen=True)
-class CaseOfCycle:
+class LoadCaseOfDutyCycle:
     """One load case together with the duty cycle (scene with several load cases) to which it belongs."""
 
     #: The duty cycle.
-    cycle: DutyCycle
+    duty_cycle: DutyCycle
     #: The load case.
-    case: LoadCase
+    load_case: LoadCase
 
     @property
-    def keys(self) -> dict[str, Any]:
+    def identifying_values(self) -> dict[str, Any]:
         """Names and values that identify the load case in every row of JSON results: scene, case, share."""
-        return {"scene": self.cycle.name, "case": self.case.name, "share": self.case.share}
+        return {"scene": self.duty_cycle.name, "case": self.load_case.name, "share": self.load_case.share}
 
 
-def load_cases_by_scene_name(described: Iterable[object]) -> dict[str, CaseOfCycle]:
-    """Return the load cases of all duty cycles among the scenes ``described``, by the names SCENE-CASE of their scenes."""
-    cycles = [cycle for cycle in described if isinstance(cycle, DutyCycle)]
-    return {case.scene.name: CaseOfCycle(cycle, case) for cycle in cycles for case in cycle.cases}
+def load_cases_by_scene_name(scenes: Iterable[object]) -> dict[str, LoadCaseOfDutyCycle]:
+    """Return the load cases of all duty cycles among the scenes ``scenes``, by the names SCENE-CASE of their scenes."""
+    cycles = [cycle for cycle in scenes if isinstance(cycle, DutyCycle)]
+    return {case.scene.name: LoadCaseOfDutyCycle(cycle, case) for cycle in cycles for case in cycle.cases}
 
 
 #: Kinds of scenes with a single nut or bearing row, which every command solves.

@@ -51,7 +51,7 @@ def length_text(length: float) -> str:
     return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
 
 
-class FaultText(NamedTuple):
+class FaultMessage(NamedTuple):
     """Message about one fault of a scene file, in four parts: key, value, allowed values, advice to the user."""
 
     #: Path of the faulty key, such as ``sets[0].balls``.
@@ -64,46 +64,46 @@ class FaultText(NamedTuple):
     advice: str
 
 
-def combined_scene_error(origin: str, texts: Sequence[FaultText]) -> SceneError:
+def scene_error_of_all_faults(file_name: str, messages: Sequence[FaultMessage]) -> SceneError:
     """Return one SceneError for all faults of a scene file: its message shows the first one, and it contains the others.
 
-    ``origin``: name of the file; ``texts``: texts of the faults, at least one.
+    ``file_name``: name of the file; ``messages``: texts of the faults, at least one.
     """
-    errors = [SceneError(origin, *one) for one in texts]
-    return SceneError(origin, *texts[0], len(texts) - 1, tuple(errors[1:]))
+    errors = [SceneError(file_name, *one) for one in messages]
+    return SceneError(file_name, *messages[0], len(messages) - 1, tuple(errors[1:]))
 
 
-def raise_faults(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
+def raise_scene_error_for_faults(file_name: str, tables: Mapping[str, Any], faults: Sequence[Fault]) -> None:
     """Raise a SceneError that lists the given faults of a scene file; do nothing if there are none.
 
     Parameters
     ----------
-    origin
+    file_name
         Name of the file in the message.
-    raw
+    tables
         Tables of the file as read from TOML, for the faulty values in the message.
     faults
         The faults.
     """
     if faults:
-        raise combined_scene_error(origin, fault_texts(raw, faults))
+        raise scene_error_of_all_faults(file_name, messages_of_faults(tables, faults))
 
 
-def fault_texts(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultText]:
+def messages_of_faults(tables: Mapping[str, Any], faults: Sequence[Fault]) -> list[FaultMessage]:
     """Return key, value, allowed values and advice for each fault of a scene file.
 
-    ``raw``: tables of the file; ``faults``: the faults. Of the keys that may cause a fault, and of the keys that may stand
-    in their place (`ALIASES`), the text names the first one that the file has.
+    ``tables``: tables of the file; ``faults``: the faults. Of the keys that may cause a fault, and of the keys that may
+    stand in their place (`ALIASES`), the text names the first one that the file has.
     """
     out = []
     for fault in faults:
         names = [name for key in fault.keys for name in (key, *_alias_keys(key))]
-        present = ((name, value) for name in names if (value := _value_at_path(raw, name)) is not None)
+        present = ((name, value) for name in names if (value := _value_at_path(tables, name)) is not None)
         key, given = next(present, (fault.keys[-1], None))
         value = fault.value or ("nothing" if given is None else toml_text(given))
         half = key not in fault.keys and key.endswith("diameter")
         allowed = f"{fault.allowed}, as a radius" if half else fault.allowed
-        out.append(FaultText(key, value, allowed, fault.advice))
+        out.append(FaultMessage(key, value, allowed, fault.advice))
     return out
 
 
@@ -146,59 +146,59 @@ class KeyFaults:
     """Faults of a scene file's keys, and the top-level tables or keys that were replaced so that reading could continue."""
 
     #: Key, value, allowed values and advice for each fault.
-    texts: tuple[FaultText, ...] = ()
+    messages: tuple[FaultMessage, ...] = ()
     #: Names of the replaced top-level tables and keys.
-    replaced: frozenset[str] = frozenset()
+    replaced_names: frozenset[str] = frozenset()
 
     @property
     def bodies_unchanged(self) -> bool:
         """Whether the bodies, supports and loads that were read are those of the file: no replaced table affects them."""
-        return self.replaced <= INDEPENDENT_TABLES
+        return self.replaced_names <= INDEPENDENT_TABLES
 
-    def are_in_file(self, keys: Sequence[str]) -> bool:
+    def concern_values_of_file(self, keys: Sequence[str]) -> bool:
         """Return whether a fault of the keys ``keys`` is one of the file itself, not of a value replaced while reading."""
-        return not any(key.split(".")[0].split("[")[0] in self.replaced for key in keys)
+        return not any(key.split(".")[0].split("[")[0] in self.replaced_names for key in keys)
 
 
-def validate_or_raise(raw: Mapping[str, Any], keys: type[Keys], origin: str) -> Keys:
+def validate_or_raise(tables: Mapping[str, Any], key_class: type[Keys], file_name: str) -> Keys:
     """Return the validated keys of a scene file, or raise a SceneError that lists the faults of all keys.
 
     Parameters
     ----------
-    raw
+    tables
         Tables of the file.
-    keys
+    key_class
         Pydantic model of the keys.
-    origin
+    file_name
         Name of the file in the message.
     """
     try:
-        return keys.model_validate(raw)
+        return key_class.model_validate(tables)
     except ValidationError as error:
-        raise combined_scene_error(origin, key_fault_texts(keys, error)) from None
+        raise scene_error_of_all_faults(file_name, messages_of_key_faults(key_class, error)) from None
 
 
-def validate_beyond_faults(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, KeyFaults]:
+def validate_and_collect_faults(tables: Mapping[str, Any], key_class: type[Keys]) -> tuple[Keys | None, KeyFaults]:
     """Return the validated keys of a scene file, and the faults of all keys; reading continues after a fault.
 
-    ``raw``: tables of the file; ``keys``: pydantic model of its keys. A faulty value is replaced by the example of its key,
-    and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a whole
-    table is missing.
+    ``tables``: tables of the file; ``key_class``: pydantic model of its keys. A faulty value is replaced by the example of
+    its key, and an unknown key is left out. The returned keys are None if the file cannot be read even so, for example if a
+    whole table is missing.
     """
     try:
-        return keys.model_validate(raw), KeyFaults()
+        return key_class.model_validate(tables), KeyFaults()
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        texts = tuple(key_fault_texts(keys, error))
-    schema, rest, names = scene_schema_of_kind(keys), deepcopy(dict(raw)), set()
+        texts = tuple(messages_of_key_faults(key_class, error))
+    schema, rest, names = scene_schema_of_kind(key_class), deepcopy(dict(tables)), set()
     for fault in faults:
         where = fault["loc"]
         whole = len(where) == 1 and fault["type"] in UNKNOWN_KEY_ERRORS  # the key that is probably meant is missing
-        names |= {unknown_key_text(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
+        names |= {message_on_unknown_key(schema, fault)[1]} - {""} if whole else {str(key) for key in where[:1]}
         if not where or not _replace_faulty_value(rest, where, fault["type"], schema_part_at_path(schema, where)):
             return None, KeyFaults(texts, frozenset(names))
     try:
-        return keys.model_validate(rest), KeyFaults(texts, frozenset(names))
+        return key_class.model_validate(rest), KeyFaults(texts, frozenset(names))
     except ValidationError:
         return None, KeyFaults(texts, frozenset(names))
 
@@ -225,19 +225,19 @@ def _replace_faulty_value(raw: Any, where: Sequence[int | str], kind: str, node:
     return False
 
 
-def key_fault_texts(keys: type[BaseModel], error: ValidationError) -> list[FaultText]:
+def messages_of_key_faults(key_class: type[BaseModel], error: ValidationError) -> list[FaultMessage]:
     """Return key, value, allowed values and advice for each fault that pydantic found in a scene file, unknown keys first.
 
-    ``keys``: pydantic model of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file has
-    an unknown key that was probably meant for it, because the advice on the unknown key names it.
+    ``key_class``: pydantic model of the file's keys; ``error``: pydantic's error. A missing key is not reported if the file
+    has an unknown key that was probably meant for it, because the advice on the unknown key names it.
     """
     faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] not in UNKNOWN_KEY_ERRORS)
-    schema, named = scene_schema_of_kind(keys), set()
+    schema, named = scene_schema_of_kind(key_class), set()
     out = []
     for fault in faults:
         where = fault["loc"]
         if fault["type"] in UNKNOWN_KEY_ERRORS:
-            words, name = unknown_key_text(schema, fault)
+            words, name = message_on_unknown_key(schema, fault)
             named.add((*where[:-1], name))
             out.append(words)
         elif not ((fault["type"] == "missing" and where in named) or _is_list_short_by_faulty_entries(fault)):
@@ -258,7 +258,7 @@ def _key_path(where: Sequence[int | str]) -> str:
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
 
 
-def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str]:
+def message_on_unknown_key(schema: dict[str, Any], fault: Any) -> tuple[FaultMessage, str]:
     """Return the message about an unknown key, and the known key that is probably meant (empty if none is similar).
 
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
@@ -272,10 +272,10 @@ def unknown_key_text(schema: dict[str, Any], fault: Any) -> tuple[FaultText, str
     else:
         meant = near[0] if near else ""
         advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it, or move it to its table"
-    return FaultText(_key_path(where), toml_text(fault["input"]), ", ".join(known), advice), meant
+    return FaultMessage(_key_path(where), toml_text(fault["input"]), ", ".join(known), advice), meant
 
 
-def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
+def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultMessage:
     """Return the message about a missing key or a refused value of a scene file.
 
     ``schema``: JSON Schema of the scene; ``fault``: an entry of pydantic's list of errors.
@@ -287,13 +287,13 @@ def _refused_value_text(schema: dict[str, Any], fault: Any) -> FaultText:
     other = next((o for key, (o, *_) in ALIASES.items() if _key_path(where) == key and o.endswith("diameter")), "")
     if kind == "missing" and other:
         advice += f", or {other.split('.')[-1]}"
-    return FaultText(_key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice)
+    return FaultMessage(_key_path(where), "nothing" if kind == "missing" else toml_text(fault["input"]), allowed, advice)
 
 
-def schema_part_at_path(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
-    """Return the part of a scene's JSON Schema for the key at the path ``where``; empty if there is no such key."""
+def schema_part_at_path(schema: dict[str, Any], key_path: Sequence[int | str]) -> dict[str, Any]:
+    """Return the part of a scene's JSON Schema for the key at the path ``key_path``; empty if there is no such key."""
     node: dict[str, Any] = schema
-    for key in (*where, None):
+    for key in (*key_path, None):
         if "$ref" in node:
             target = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
             node = target | {k: v for k, v in node.items() if k in ("description", "examples")}

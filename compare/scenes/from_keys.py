@@ -14,19 +14,19 @@ from rollbench.compare.errors import escape_unprintable
 from rollbench.compare.measure import error_percent
 from rollbench.compare.scenes import schema
 from rollbench.compare.scenes.duty_cycle import DutyCycle, LoadCase
-from rollbench.compare.scenes.fault import Fault, length_text, raise_faults
+from rollbench.compare.scenes.fault import Fault, length_text, raise_scene_error_for_faults
 from rollbench.compare.scenes.keys import MaterialKeys
-from rollbench.compare.scenes.schema import CaseKeys, SceneKeys
+from rollbench.compare.scenes.schema import LoadCaseKeys, SceneKeys
 from rollbench.meshes import parts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.helix import evenly_spaced_azimuths, lead_angle
 from rollbench.meshes.one_arc import free_contact_angle
 from rollbench.meshes.parts import Errors, Motion, Scene, Support
-from rollbench.meshes.ranges import ShareOfRating
+from rollbench.meshes.ranges import ShareOfLoadRating
 from rollbench.meshes.section import MERGE
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.schema import AxisKeys, HousingKeys
+    from rollbench.compare.scenes.schema import HousingKeys, ShaftSceneKeys
 
 
 def scene_from_keys(keys: schema.SceneKeys, name: str) -> parts.Scene:
@@ -217,7 +217,7 @@ def support_from_keys(support: schema.SupportKeys | HousingKeys) -> parts.Suppor
 # --- preload of one nut, converted to the ball oversize that causes it
 
 
-def oversize_for_preload(scene: parts.Scene, force: float) -> float:
+def ball_oversize_for_preload(scene: parts.Scene, force: float) -> float:
     """Return the oversize e of the ball radius [m] that causes a given axial preload between rigid nut and rigid screw.
 
     All four contacts of each of the n balls carry Q = force / (n sin beta cos alpha), with the contact angle beta and the
@@ -233,22 +233,22 @@ def oversize_for_preload(scene: parts.Scene, force: float) -> float:
     force
         Preload [N]: the axial force in each of the two directions, on the left and on the right flanks, without load.
     """
-    from rollbench.lowfi.statics.contacts import error_free_hertz
+    from rollbench.lowfi.statics.contacts import hertz_without_errors
 
     beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
     each = force / (scene.ball_count * sin(beta) * cos(alpha))
-    constants = error_free_hertz(scene).C
+    constants = hertz_without_errors(scene).C
     pair = float(constants[0] + constants[3])
     return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
-def preload_force(scene: parts.Scene, force_or_share: float | ShareOfRating) -> tuple[float, str]:
+def preload_force_and_rating_text(scene: parts.Scene, force_or_share: float | ShareOfLoadRating) -> tuple[float, str]:
     """Return a preload [N], and a text on the load rating from which it was computed.
 
     ``force_or_share``: the preload as a force [N], for which the text is empty; or as a fraction of the dynamic load rating
     of the nut or bearing ``scene``, for which the text states the rating in brackets.
     """
-    if not isinstance(force_or_share, ShareOfRating):
+    if not isinstance(force_or_share, ShareOfLoadRating):
         return force_or_share, ""
     from rollbench.lowfi.rating.life import dynamic_rating
 
@@ -267,8 +267,8 @@ def with_preload_as_oversize(scene: parts.Scene, keys: schema.PreloadKeys | None
         return scene
     size, assumed = keys.oversize or 0.0, scene.assumed
     if keys.force is not None:
-        force, of = preload_force(scene, keys.force)
-        size = oversize_for_preload(scene, force)
+        force, of = preload_force_and_rating_text(scene, keys.force)
+        size = ball_oversize_for_preload(scene, force)
         assumed += (
             f"The preload of {force:g} N{of} was turned into an oversize of {1e6 * size:.3g} um in ball radius, by Hertz "
             "contacts between a rigid screw and a rigid nut; elastic ones give way, so that less than it is left.",
@@ -284,21 +284,25 @@ ROUNDED = 1e-6
 
 
 def with_load_cases(
-    parts: Parts, keys: Sequence[CaseKeys], raw: Mapping[str, Any], origin: str, faults: Callable[[Any], Iterable[Fault]]
+    scene: Parts,
+    load_case_keys: Sequence[LoadCaseKeys],
+    tables: Mapping[str, Any],
+    file_name: str,
+    faults_of_scene: Callable[[Any], Iterable[Fault]],
 ) -> Parts | DutyCycle:
     """Return the duty cycle of a scene with its file's load cases; the scene itself if the file has no load cases.
 
     Parameters
     ----------
-    parts
+    scene
         Scene under the loads that the file states outside its load cases.
-    keys
+    load_case_keys
         Validated keys of the load cases; empty if the file has none.
-    raw
+    tables
         Tables of the file as read from TOML, for the faulty values in messages.
-    origin
+    file_name
         Name of the file in messages.
-    faults
+    faults_of_scene
         Function that returns the faults of a scene, called for the scene of each load case.
 
     Raises
@@ -306,16 +310,22 @@ def with_load_cases(
     SceneError
         For the faults of the scene in any load case.
     """
-    if not keys:
-        return parts
-    cycle = duty_cycle_from_keys(parts, keys)
-    raise_faults(
-        origin, raw, [fault_in_load_case(fault, k) for k, case in enumerate(cycle.cases) for fault in faults(case.scene)]
+    if not load_case_keys:
+        return scene
+    cycle = duty_cycle_from_keys(scene, load_case_keys)
+    raise_scene_error_for_faults(
+        file_name,
+        tables,
+        [
+            fault_with_keys_of_load_case(fault, k)
+            for k, case in enumerate(cycle.cases)
+            for fault in faults_of_scene(case.scene)
+        ],
     )
     return cycle
 
 
-def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> DutyCycle:
+def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[LoadCaseKeys]) -> DutyCycle:
     """Return the duty cycle of a scene: the scene under each of its load cases, built from their validated keys.
 
     The share of a load case is its fraction of the revolutions of the cycle. If the file states times instead of shares,
@@ -332,7 +342,7 @@ def duty_cycle_from_keys(scene: Scene | Assembly, keys: Sequence[CaseKeys]) -> D
     return DutyCycle(scene, tuple(cases), speed)
 
 
-def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | Assembly:
+def _scene_under_load_case(scene: Scene | Assembly, keys: LoadCaseKeys) -> Scene | Assembly:
     """Return the scene under the load case ``keys``: with the loads, displacements, speed and oversize that it states.
 
     Its name is SCENE-CASE, so that stored runs and files of each load case have separate names.
@@ -361,13 +371,13 @@ def _scene_under_load_case(scene: Scene | Assembly, keys: CaseKeys) -> Scene | A
     return replace(case, sets=tuple(sets), housings=tuple(housings))
 
 
-def _errors_under_load_case(scene: Scene, keys: CaseKeys) -> Errors:
+def _errors_under_load_case(scene: Scene, keys: LoadCaseKeys) -> Errors:
     """Return the manufacturing errors of a scene, with the ball oversize of the load case ``keys`` if it states one."""
     oversize = scene.errors.balls.oversize if keys.oversize is None else keys.oversize
     return replace(scene.errors, balls=replace(scene.errors.balls, oversize=oversize))
 
 
-def _displaced_support(support: Support, keys: CaseKeys) -> Support:
+def _displaced_support(support: Support, keys: LoadCaseKeys) -> Support:
     """Return a support with the displacements that the load case ``keys`` prescribes at the support's position."""
     moved: dict[str, float] = {}
     for other in keys.supports:
@@ -376,7 +386,7 @@ def _displaced_support(support: Support, keys: CaseKeys) -> Support:
     return replace(support, fixed=tuple((name, moved.get(name, value)) for name, value in support.fixed))
 
 
-def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
+def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
     """Yield the faults of the load cases of a scene file: of their names, shares, times, and displaced supports."""
     names = [case.name for case in keys.cases]
     for k, case in enumerate(keys.cases):
@@ -403,7 +413,7 @@ def load_case_faults(keys: SceneKeys | AxisKeys) -> Iterator[Fault]:
         yield Fault((f"cases[{(shared or [0])[-1]}].share",), "shares that sum to 1", advice, f"a sum of {total:.7g}")
 
 
-def _share_faults(case: CaseKeys, case_path: str) -> Iterator[Fault]:
+def _share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield a fault unless a load case has either a share of the revolutions, or both time and speed.
 
     ``case_path``: path of the case in the file, such as ``cases[0]``.
@@ -420,7 +430,7 @@ def _share_faults(case: CaseKeys, case_path: str) -> Iterator[Fault]:
         yield Fault((f"{case_path}.speed",), "any angular speed but zero", advice)
 
 
-def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: str) -> Iterator[Fault]:
+def _case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
     """Yield the faults of the support displacements that a load case prescribes.
 
     Faults are a position without support, a degree of freedom that the scene's support does not fix, and one that the load
@@ -435,7 +445,7 @@ def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: 
             advice = "correct the position, or add the support to the scene"
             yield Fault((f"{case_path}.supports[{j}].at",), f"position of a support of the scene ({places})", advice)
             continue
-        held = {name: i for i, s in supports for name in s.held}
+        held = {name: i for i, s in supports for name in s.fixed_freedoms}
         for name in other.displace.given:
             key = f"{case_path}.supports[{j}].displace.{name}"
             if name not in held:
@@ -447,7 +457,7 @@ def _case_support_faults(keys: SceneKeys | AxisKeys, case: CaseKeys, case_path: 
                 seen.add((held[name], name))
 
 
-def fault_in_load_case(fault: Fault, case_number: int) -> Fault:
+def fault_with_keys_of_load_case(fault: Fault, case_number: int) -> Fault:
     """Return a fault of the scene under a load case, with the keys of this load case added before those of the scene.
 
     The message names the first key that the file has, so that it names ``cases[k].KEY`` where the load case states KEY.

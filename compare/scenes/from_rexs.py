@@ -40,7 +40,7 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 
 
 @dataclass
-class RexsReader:
+class RexsConversion:
     """REXS file while it is converted to a scene, with the user's values and all faults, assumptions and omissions so far.
 
     ``given``: the user's values, as text by the keys of the scene file; ``missing``: faults because of missing attributes;
@@ -49,12 +49,12 @@ class RexsReader:
 
     path: Path
     model: RexsModel
-    given: dict[str, str]
-    missing: list[SceneError] = field(default_factory=list)
-    assumed: list[str] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    user_values: dict[str, str]
+    missing_attribute_faults: list[SceneError] = field(default_factory=list)
+    assumptions: list[str] = field(default_factory=list)
+    omission_notes: list[str] = field(default_factory=list)
 
-    def quantity_or_fault(
+    def quantity_text_or_fault(
         self, component: RexsComponent, attribute: str, key: str, names: Iterable[str] = ()
     ) -> str | None:
         """Return a quantity as text with a unit: the value that the user gives for ``key``, else the one in the REXS file.
@@ -62,11 +62,11 @@ class RexsReader:
         ``component``, ``attribute``: where the REXS file states it; ``key``: key of the scene file for the quantity;
         ``names``: other attributes that may state it. Without a value, a fault is recorded, and None is returned.
         """
-        if key in self.given:
-            return self.given.pop(key)
+        if key in self.user_values:
+            return self.user_values.pop(key)
         for name in (attribute, *names):
             if (value := component.number(name)) is not None:
-                return attribute_text(name, value)
+                return attribute_with_unit_text(name, value)
         self.record_missing_attribute(component, attribute, key)
         return None
 
@@ -80,10 +80,10 @@ class RexsReader:
         where = f"component {component.id} ({component.type} {component.name}), attribute {attribute}"
         example = "a number or a word" if unit == "none" else f"a value with a unit (in REXS: {unit})"
         advice = f'add it, or write --set "{key}=VALUE"'
-        self.missing.append(SceneError(str(self.path), where, "nothing", example, advice))
+        self.missing_attribute_faults.append(SceneError(str(self.path), where, "nothing", example, advice))
 
 
-def attribute_text(attribute: str, value: float) -> str:
+def attribute_with_unit_text(attribute: str, value: float) -> str:
     """Return the value of a REXS attribute as text with its unit, as written in a scene file.
 
     ``attribute``: name of the attribute, from which the unit follows; ``value``: its value in the units of REXS.
@@ -119,27 +119,27 @@ def scene_tables_from_rexs(path: Path, shaft: str, user_values: dict[str, str]) 
         If the file cannot be read or is no REXS file.
     """
     model = read_rexs_file(path)
-    reader = RexsReader(path, model, dict(user_values))
+    reader = RexsConversion(path, model, dict(user_values))
     chosen = _chosen_shaft(reader, shaft)
-    if len(model.cases) == 1:
-        for k, attributes in model.cases[0].items():
+    if len(model.load_cases) == 1:
+        for k, attributes in model.load_cases[0].items():
             model.components[k].attributes |= attributes
     try:
-        table = _tables_of_shaft(reader, chosen)
+        table = _scene_tables_of_shaft(reader, chosen)
     except (ValueError, OverflowError) as error:  # a user's value that is not a quantity, or a count that is not a number
         advice = "correct the values of --set"
         raise ArgumentError("set", str(error), "numbers with their units", advice, str(path)) from None
-    if reader.given:
+    if reader.user_values:
         keys = "title, material.KEY or SET.KEY of an attribute that REXS or this file lacks"
         advice = "remove these keys, or use those that the messages on missing attributes name"
-        raise ArgumentError("set", ", ".join(reader.given), keys, advice, str(path))
-    if reader.missing:
-        first, *others = reader.missing
+        raise ArgumentError("set", ", ".join(reader.user_values), keys, advice, str(path))
+    if reader.missing_attribute_faults:
+        first, *others = reader.missing_attribute_faults
         raise SceneError(first.file, first.key, first.value, first.allowed, first.advice, len(others), tuple(others))
-    return table, reader.notes
+    return table, reader.omission_notes
 
 
-def _chosen_shaft(reader: RexsReader, name: str) -> RexsComponent:
+def _chosen_shaft(reader: RexsConversion, name: str) -> RexsComponent:
     """Return the shaft of a REXS file with the name or id ``name``, or the only shaft with bearings if that is empty.
 
     ArgumentError if not exactly one shaft fits.
@@ -162,7 +162,7 @@ def _is_bearing(model: RexsModel, roles: dict[str, int]) -> bool:
     return {"assembly", "inner_part", "outer_part"} <= set(roles) and model.components[roles["assembly"]].type in BEARINGS
 
 
-def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
+def _scene_tables_of_shaft(reader: RexsConversion, shaft: RexsComponent) -> Table:
     """Return all tables of the scene file for a shaft of a REXS file, with bearings, supports, loads and load cases."""
     model = reader.model
     sections = model.parts(shaft.id, "shaft_section")
@@ -178,7 +178,7 @@ def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
         reader.record_missing_attribute(shaft, "length", "shaft_section", "mm (of a shaft_section that is part of it)")
     sets: list[Table] = []
     for bearing in _bearings_on_shaft(model, shaft):
-        sets += _tables_of_bearing(reader, bearing, (steel, shared), {x["name"] for x in sets})
+        sets += _set_tables_of_bearing(reader, bearing, (steel, shared), {x["name"] for x in sets})
     seats = [x for x in sets if "housing" in x]
     supports = [{"at": "0 mm", "fix": ["rz"]}]
     supports += [
@@ -187,11 +187,11 @@ def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
     loads = model.parts(shaft.id, "external_load")
     _note_unmapped_parts(reader, shaft)
     speed, oil = shaft.number("rotational_speed"), _lubricant_viscosity(model, shaft)
-    reader.assumed.append("REXS: the drive holds the rotation of the shaft, at its end.")
+    reader.assumptions.append("REXS: the drive holds the rotation of the shaft, at its end.")
     return {
-        "title": reader.given.pop("title", f"{shaft.name or 'Shaft'} of {reader.path.name}"),
+        "title": reader.user_values.pop("title", f"{shaft.name or 'Shaft'} of {reader.path.name}"),
         "source": f"REXS file {reader.path.name}, shaft {shaft.id}",
-        "assumed": reader.assumed,
+        "assumed": reader.assumptions,
         "kind": "axis",
         "material": _material_table(reader, shared or shaft, "material"),
         "screw": {"length": f"{max(ends, default=0.0)!r} mm", "outer_diameter": f"{widest!r} mm", "plain": plain}
@@ -200,13 +200,15 @@ def _tables_of_shaft(reader: RexsReader, shaft: RexsComponent) -> Table:
         "housings": [{"name": x["housing"], "at": x["nut"]["position"], "fix": list(SEAT)} for x in seats],
         "supports": supports,
         "loads": [_load_table(x, {}) for x in loads],
-        "cases": _case_tables(model, shaft, loads) if len(model.cases) > 1 else [],
-        "motion": {} if speed is None or len(model.cases) > 1 else {"speed": attribute_text("rotational_speed", speed)},
-        "lubricant": {} if oil is None else {"viscosity": attribute_text("operating_viscosity", oil)},
+        "cases": _case_tables(model, shaft, loads) if len(model.load_cases) > 1 else [],
+        "motion": {}
+        if speed is None or len(model.load_cases) > 1
+        else {"speed": attribute_with_unit_text("rotational_speed", speed)},
+        "lubricant": {} if oil is None else {"viscosity": attribute_with_unit_text("operating_viscosity", oil)},
     }
 
 
-def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
+def _plain_section_table(reader: RexsConversion, section: RexsComponent) -> Table:
     """Return the scene-file table of a section of the shaft; a cone becomes a cylinder of its mean diameters."""
     needed = ("u_coordinate_on_shaft", "length", "outer_diameter_begin")
     for name in needed:
@@ -218,14 +220,14 @@ def _plain_section_table(reader: RexsReader, section: RexsComponent) -> Table:
         [section.number(f"inner_diameter_{end}") or 0.0 for end in ("begin", "end")],
     )
     if last not in (None, first) or bores[0] != bores[1]:
-        reader.assumed.append(f"REXS: the conical section {section.id} is a cylinder of its mean diameters.")
+        reader.assumptions.append(f"REXS: the conical section {section.id} is a cylinder of its mean diameters.")
     outer = 0.5 * (first + (first if last is None else last))
     bore = 0.5 * (bores[0] + bores[1])
     table = {"start": f"{start!r} mm", "end": f"{start + length!r} mm", "diameter": f"{outer!r} mm"}
     return table | ({"bore": f"{bore!r} mm"} if bore else {})
 
 
-def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
+def _set_tables_of_bearing(reader: RexsConversion, bearing: RexsComponent, steels: Steels, names: set[str]) -> list[Table]:
     """Return the scene-file tables ``[[sets]]`` of a bearing, one for each of its rows.
 
     ``steels``: material of the shaft, and default material of all parts; ``names``: names already in use for other rows.
@@ -236,9 +238,9 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
         where = f"component {bearing.id} ({bearing.type} {bearing.name}), attribute bearing_type"
         allowed = ", ".join((*BALLS, *BALLS_OF_THRUST, *ROLLERS))
         advice = "change the type, or remove the bearing; models cover only these types"
-        reader.missing.append(SceneError(str(reader.path), where, kind or "nothing", allowed, advice))
+        reader.missing_attribute_faults.append(SceneError(str(reader.path), where, kind or "nothing", allowed, advice))
         return []
-    middle = reader.quantity_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
+    middle = reader.quantity_text_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{name}.position")
     apart = bearing.number("distance_between_bearing_rows") or 0.0
     found = []
     for k, row in enumerate(rows):
@@ -246,7 +248,7 @@ def _tables_of_bearing(reader: RexsReader, bearing: RexsComponent, steels: Steel
         each = f"{each} ({bearing.id})" if each in names else each
         by = (k - 0.5 * (len(rows) - 1)) * apart
         found.append(
-            _table_of_row(
+            _set_table_of_row(
                 reader, bearing, row, steels, each, _shift_position(middle, by) if middle and by else middle or ""
             )
         )
@@ -262,8 +264,8 @@ def _shift_position(position: str, shift: float) -> str:
     return f"{float(value) + shift!r} {unit}"
 
 
-def _table_of_row(
-    reader: RexsReader, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, position: str
+def _set_table_of_row(
+    reader: RexsConversion, bearing: RexsComponent, row: RexsComponent, steels: Steels, name: str, position: str
 ) -> Table:
     """Return the scene-file table ``[[sets]]`` for one row of a bearing.
 
@@ -274,16 +276,18 @@ def _table_of_row(
     elements = model.parts(row.id, "rolling_element")
     element = elements[0] if elements else row
     typed = row.number("number_of_rolling_elements") or len(elements)
-    count = int(typed or reader.given.pop(f"{name}.count", "0"))
+    count = int(typed or reader.user_values.pop(f"{name}.count", "0"))
     takes = row.word("axial_force_absorption_of_row") or bearing.word("axial_force_absorption")
     floats = bearing.word("axial_force_absorption") == FLOATS
-    takes = reader.given.pop(f"{name}.thrust", "") or THRUST.get("both_directions" if takes == FLOATS else takes, takes)
+    takes = reader.user_values.pop(f"{name}.thrust", "") or THRUST.get(
+        "both_directions" if takes == FLOATS else takes, takes
+    )
     one_way = kind in ROLLERS or "angular_contact" in kind
     if takes not in THRUST.values() or (one_way and takes == "both"):
         where = f"component {row.id} ({row.type}), attribute axial_force_absorption_of_row"
         advice = f'add it, or write --set "{name}.thrust=+z" (or -z, or both)'
         allowed = "positive or negative" if one_way else ", ".join(THRUST)
-        reader.missing.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
+        reader.missing_attribute_faults.append(SceneError(str(reader.path), where, takes or "nothing", allowed, advice))
     if not count:
         reader.record_missing_attribute(row, "number_of_rolling_elements", f"{name}.count")
     shift = bearing.number("preload_distance") or 0.0
@@ -295,9 +299,9 @@ def _table_of_row(
     if floats:
         table["housing"] = f"{name} seat"
     if shift:
-        table["offset"] = attribute_text("preload_distance", -shift if takes == "+z" else shift)
+        table["offset"] = attribute_with_unit_text("preload_distance", -shift if takes == "+z" else shift)
     if force:
-        table["preload"] = attribute_text("preload_force", force)
+        table["preload"] = attribute_with_unit_text("preload_force", force)
     if kind in ROLLERS:
         table.pop("housing", None)  # rollers on a cone carry thrust
         return table | _roller_tables(reader, row, element, name, position, count)
@@ -305,7 +309,7 @@ def _table_of_row(
 
 
 def _roller_tables(
-    reader: RexsReader, row: RexsComponent, element: RexsComponent, name: str, position: str, count: int
+    reader: RexsConversion, row: RexsComponent, element: RexsComponent, name: str, position: str, count: int
 ) -> Table:
     """Return the scene-file keys of position and rollers for a row of tapered rollers.
 
@@ -313,28 +317,28 @@ def _roller_tables(
     shaft, as text; ``count``: number of rollers.
     """
     of = f"{name}.rollers"
-    depth = reader.given.pop(f"{of}.ring_depth", None)
+    depth = reader.user_values.pop(f"{of}.ring_depth", None)
     if depth is None:
         reader.record_missing_attribute(
             row, "ring_depth", f"{of}.ring_depth", "no such attribute: the depth of rings that deforms, in mm"
         )
     rollers: Table = {
         "count": count,
-        "diameter": reader.quantity_or_fault(element, "diameter_of_rolling_element", f"{of}.diameter"),
-        "length": reader.quantity_or_fault(element, "length_of_rolling_element", f"{of}.length"),
-        "cup_angle": _without_sign(reader.quantity_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
-        "roller_angle": reader.quantity_or_fault(element, "roller_angle", f"{of}.roller_angle"),
+        "diameter": reader.quantity_text_or_fault(element, "diameter_of_rolling_element", f"{of}.diameter"),
+        "length": reader.quantity_text_or_fault(element, "length_of_rolling_element", f"{of}.length"),
+        "cup_angle": _without_sign(reader.quantity_text_or_fault(row, "pressure_angle", f"{of}.cup_angle")),
+        "roller_angle": reader.quantity_text_or_fault(element, "roller_angle", f"{of}.roller_angle"),
         "ring_depth": depth,
     }
     crown = element.number("roller_crowning_radius")
-    rollers |= {} if crown is None else {"crown": attribute_text("roller_crowning_radius", crown)}
-    rounded = reader.given.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
+    rollers |= {} if crown is None else {"crown": attribute_with_unit_text("roller_crowning_radius", crown)}
+    rounded = reader.user_values.pop(f"{of}.edge_radius", None)  # REXS has no attribute for it
     rollers |= {} if rounded is None else {"edge_radius": rounded}
     return {"position": position, "rollers": rollers}
 
 
 def _ball_tables(
-    reader: RexsReader,
+    reader: RexsConversion,
     bearing: RexsComponent,
     row: RexsComponent,
     elements: list[RexsComponent],
@@ -351,22 +355,22 @@ def _ball_tables(
     model, element = reader.model, elements[0] if elements else row
     rings = {x.word("bearing_ring_type"): x for x in model.parts(bearing.id, "bearing_ring")}
     inner, outer = rings.get("inner_ring", bearing), rings.get("outer_ring", bearing)
-    pitch = reader.quantity_or_fault(row, "reference_diameter", f"{name}.track.pitch_diameter")
+    pitch = reader.quantity_text_or_fault(row, "reference_diameter", f"{name}.track.pitch_diameter")
     track: Table = {"pitch_diameter": pitch, "lead": "0 mm"}
     clearance = next((a for a in CLEARANCES if bearing.number(a) is not None), "")
     angle = row.number("pressure_angle")
-    if clearance and not angle and f"{name}.track.contact_angle" not in reader.given:
-        track["clearance"] = {"radial": attribute_text(clearance, bearing.number(clearance) or 0.0)}
+    if clearance and not angle and f"{name}.track.contact_angle" not in reader.user_values:
+        track["clearance"] = {"radial": attribute_with_unit_text(clearance, bearing.number(clearance) or 0.0)}
     else:
         track["contact_angle"] = _without_sign(
-            reader.quantity_or_fault(row, "pressure_angle", f"{name}.track.contact_angle")
+            reader.quantity_text_or_fault(row, "pressure_angle", f"{name}.track.contact_angle")
         )
-    if inner is bearing and f"{name}.screw.outer_diameter" not in reader.given:
+    if inner is bearing and f"{name}.screw.outer_diameter" not in reader.user_values:
         unit = "mm (of a bearing_ring of type inner_ring: its shoulders)"
         reader.record_missing_attribute(bearing, "outer_diameter", f"{name}.screw.outer_diameter", unit)
         shoulder = None
     else:
-        shoulder = reader.quantity_or_fault(inner, "outer_diameter", f"{name}.screw.outer_diameter")
+        shoulder = reader.quantity_text_or_fault(inner, "outer_diameter", f"{name}.screw.outer_diameter")
     angles = [x.number("angular_position_around_u") for x in elements]
     of_shaft, shared = steels
     own = {
@@ -374,23 +378,29 @@ def _ball_tables(
         "nut": _own_material_table(reader, model.material(outer.id, bearing.id), shared, f"{name}.nut"),
         "balls": _own_material_table(reader, model.material(element.id, bearing.id), shared, f"{name}.balls"),
     }
-    balls: Table = {"diameter": reader.quantity_or_fault(element, "diameter_of_rolling_element", f"{name}.balls.diameter")}
+    balls: Table = {
+        "diameter": reader.quantity_text_or_fault(element, "diameter_of_rolling_element", f"{name}.balls.diameter")
+    }
     if len(angles) == count and None not in angles:
-        balls["azimuths"] = [attribute_text("angular_position_around_u", x) for x in angles if x is not None]
+        balls["azimuths"] = [attribute_with_unit_text("angular_position_around_u", x) for x in angles if x is not None]
     else:
         balls |= {"count": count, "turns": 1}
     return {
         "track": track,
         "screw": {
-            "groove_radius": reader.quantity_or_fault(row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"),
+            "groove_radius": reader.quantity_text_or_fault(
+                row, "raceway_radius_of_inner_ring", f"{name}.screw.groove_radius"
+            ),
             "outer_diameter": shoulder,
         }
         | own["screw"],
         "nut": {
             "position": position,
-            "length": reader.quantity_or_fault(bearing, "width", f"{name}.nut.length"),
-            "outer_diameter": reader.quantity_or_fault(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
-            "groove_radius": reader.quantity_or_fault(row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"),
+            "length": reader.quantity_text_or_fault(bearing, "width", f"{name}.nut.length"),
+            "outer_diameter": reader.quantity_text_or_fault(bearing, "outer_diameter", f"{name}.nut.outer_diameter"),
+            "groove_radius": reader.quantity_text_or_fault(
+                row, "raceway_radius_of_outer_ring", f"{name}.nut.groove_radius"
+            ),
         }
         | own["nut"],
         "balls": balls | own["balls"],
@@ -402,18 +412,18 @@ def _without_sign(text: str | None) -> str | None:
     return None if text is None else text.removeprefix("-")
 
 
-def _material_table(reader: RexsReader, component: RexsComponent, key: str) -> Table:
+def _material_table(reader: RexsConversion, component: RexsComponent, key: str) -> Table:
     """Return the scene-file table of a material from the elastic constants of ``component``; missing ones are faults.
 
     ``key``: prefix of the keys with which the user can give missing constants, such as ``material``.
     """
-    ratio = reader.quantity_or_fault(component, "poisson_ratio", f"{key}.poissons_ratio")
-    modulus = reader.quantity_or_fault(component, "elastic_modulus", f"{key}.youngs_modulus")
+    ratio = reader.quantity_text_or_fault(component, "poisson_ratio", f"{key}.poissons_ratio")
+    modulus = reader.quantity_text_or_fault(component, "elastic_modulus", f"{key}.youngs_modulus")
     return {"youngs_modulus": modulus, "poissons_ratio": None if ratio is None else float(ratio.split()[0])}
 
 
 def _own_material_table(
-    reader: RexsReader, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
+    reader: RexsConversion, steel: RexsComponent | None, default_steel: RexsComponent | None, key: str
 ) -> Table:
     """Return the scene-file table of a part's material, or an empty table where the part has the default material.
 
@@ -446,13 +456,13 @@ def _components_attached_to_shaft(model: RexsModel, shaft: RexsComponent, type: 
     return [x for roles in sides if (x := model.components[roles["assembly"]]).type == type]
 
 
-def _support_table(reader: RexsReader, bearing: RexsComponent) -> Table:
+def _support_table(reader: RexsConversion, bearing: RexsComponent) -> Table:
     """Return the scene-file table of a rigid support for a REXS concept bearing; empty if it carries no load."""
     fix = ["ux", "uy"] if bearing.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []
-    reader.assumed.append(f"REXS: the concept bearing {bearing.id} ({bearing.name}) is rigid.")
-    at = reader.quantity_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{bearing.name or bearing.id}.at")
+    reader.assumptions.append(f"REXS: the concept bearing {bearing.id} ({bearing.name}) is rigid.")
+    at = reader.quantity_text_or_fault(bearing, "u_coordinate_on_shaft_inner_side", f"{bearing.name or bearing.id}.at")
     return {"at": at, "fix": fix} if fix else {}
 
 
@@ -475,16 +485,16 @@ def _case_tables(model: RexsModel, shaft: RexsComponent, loads: list[RexsCompone
     state them instead of shares.
     """
     unit = next((k for k, c in model.components.items() if c.type == "gear_unit"), 0)
-    of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.cases]
-    of_shaft = [RexsComponent(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.cases]
+    of_unit = [RexsComponent(0, "", "", case.get(unit, {})) for case in model.load_cases]
+    of_shaft = [RexsComponent(0, "", "", shaft.attributes | case.get(shaft.id, {})) for case in model.load_cases]
     parts, speeds = [x.number("operating_time_fraction") for x in of_unit], [x.number("rotational_speed") for x in of_shaft]
     total = math.fsum(x or 0.0 for x in parts)
     found = []
-    for k, (case, part, speed) in enumerate(zip(model.cases, parts, speeds, strict=True), 1):
+    for k, (case, part, speed) in enumerate(zip(model.load_cases, parts, speeds, strict=True), 1):
         even = 1.0 / len(parts) if not total else (part or 0.0) / total
         share: Table = {"share": even}
         if total and part and None not in (*parts, *speeds):
-            share = {"time": f"{part!r} s", "speed": attribute_text("rotational_speed", speed or 0.0)}
+            share = {"time": f"{part!r} s", "speed": attribute_with_unit_text("rotational_speed", speed or 0.0)}
         found.append({"name": f"case-{k}", **share, "loads": [_load_table(x, case.get(x.id, {})) for x in loads]})
     return found
 
@@ -495,7 +505,7 @@ def _lubricant_viscosity(model: RexsModel, shaft: RexsComponent) -> float | None
     return next((x for x in found if x is not None), None)
 
 
-def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
+def _note_unmapped_parts(reader: RexsConversion, shaft: RexsComponent) -> None:
     """Record a note on each part on the shaft, such as a gear, that is omitted because a scene cannot describe it."""
     model = reader.model
     for r in model.relations:
@@ -504,10 +514,12 @@ def _note_unmapped_parts(reader: RexsReader, shaft: RexsComponent) -> None:
             "shaft_section",
             "external_load",
         ):
-            reader.notes.append(f"{x.type} {x.id} ({x.name}): not mapped")
+            reader.omission_notes.append(f"{x.type} {x.id} ({x.name}): not mapped")
         if _is_bearing(model, r.roles) and shaft.id in r.roles.values():
             outer = model.components[r.roles["outer_part"]]
             if outer.type != "gear_casing":
                 bearing = model.components[r.roles["assembly"]]
                 held = "its other side" if outer.id == shaft.id else f"its outer part, a {outer.type},"
-                reader.notes.append(f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as fixed")
+                reader.omission_notes.append(
+                    f"bearing {bearing.id} ({bearing.name}): {held} is not mapped, or taken as fixed"
+                )

@@ -19,9 +19,9 @@ from rollbench.meshes.ranges import (
     Lead,
     Modulus,
     Poisson,
-    Quantity,
+    QuantityRange,
     Radius,
-    Rate,
+    RateRange,
     Size,
     Turning,
 )
@@ -82,7 +82,7 @@ def fill_in_radius(table: Any, radius: str, diameter: str) -> Any:
     return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
 
 
-def config_requiring_one_of(radius: str, diameter: str) -> ConfigDict:
+def config_requiring_radius_or_diameter(radius: str, diameter: str) -> ConfigDict:
     """Return the pydantic configuration of a table whose JSON Schema requires either a radius or a diameter.
 
     ``radius``, ``diameter``: names of the two keys.
@@ -114,13 +114,13 @@ def key(description: str, default: Any = ..., example: Any = None) -> Any:
     return Field(default=default, description=description, examples=examples)
 
 
-class Table(BaseModel):
+class SceneFileTable(BaseModel):
     """Table of a scene file, in which unknown keys and values of another type are errors."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True, defer_build=True)
 
 
-class MaterialKeys(Table):
+class MaterialKeys(SceneFileTable):
     """Isotropic elastic material. If a part gives only one of the two constants, the other is that of [material]."""
 
     name: StandardName | None = key(MATERIAL_NAMES, None, "bearing steel")
@@ -148,7 +148,7 @@ class MaterialKeys(Table):
 MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
 
 
-class HeadKeys(Table):
+class TitleKeys(SceneFileTable):
     """Keys at the beginning of every scene file: title, source of the data, assumptions."""
 
     title: Sentence = key("title of the scene, in one line", example="Screw under 5 kN")
@@ -156,7 +156,7 @@ class HeadKeys(Table):
     assumed: Sentences = key("assumptions where the source says nothing, as sentences", [], ["The nut is rigid."])
 
 
-class PathKeys(Table):
+class BallPathKeys(SceneFileTable):
     """Nominal path of the ball centres of a screw or a bearing ring."""
 
     pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
@@ -164,38 +164,38 @@ class PathKeys(Table):
     contact_angle: ContactAngle = key("nominal angle between contact normal and radius")
 
 
-class HelixKeys(PathKeys):
+class BallHelixKeys(BallPathKeys):
     """Nominal path of the ball centres, a right-handed or left-handed helix."""
 
     hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
 
 
-class GrooveKeys(Table):
+class GrooveKeys(SceneFileTable):
     """Cross-section of a groove, by its radius or by its conformity (groove radius over ball diameter)."""
 
     groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
     conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
 
 
-class BallSizeKeys(Table):
+class BallSizeKeys(SceneFileTable):
     """Nominal size of the balls."""
 
     radius: Radius = key("nominal radius")
 
 
-class OversizeKeys(Table):
+class BallOversizeKeys(SceneFileTable):
     """Deviation from the nominal ball radius that all balls have, such as an oversize for preload."""
 
     oversize: Deviation = key("length added to the radius of every ball (preload if positive)", "0 um", "7 um")
 
 
-class CoulombKeys(Table):
+class CoulombFrictionKeys(SceneFileTable):
     """Coulomb friction between balls and grooves."""
 
     coefficient: Coefficient = key("coefficient of friction between balls and grooves; may be zero")
 
 
-class SpeedKeys(Table):
+class RingSpeedKeys(SceneFileTable):
     """Angular speed of the rotating ring of a bearing."""
 
     speed: Turning = key("angular speed of the rotating part about +z; negative for the other direction")
@@ -245,6 +245,6 @@ def _default_with_unit(default: Any, node: dict[str, Any]) -> Any:
     if isinstance(default, list):
         return [_default_with_unit(x, node.get("items", {})) for x in default]
     if isinstance(default, float) and "x-unit" in node:
-        of = Rate if node["x-dimension"] in RATES else Quantity
+        of = RateRange if node["x-dimension"] in RATES else QuantityRange
         return of(node["x-dimension"], 0, 0, node["examples"][0]).text_with_unit(default)
     return default

@@ -112,9 +112,9 @@ class RexsModel:
 
     components: dict[int, RexsComponent] = field(default_factory=dict)
     relations: list[RexsRelation] = field(default_factory=list)
-    cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
+    load_cases: list[dict[int, dict[str, Value]]] = field(default_factory=list)
 
-    def add(self, type: str, name: str = "", **attributes: Value | None) -> int:
+    def add_component(self, type: str, name: str = "", **attributes: Value | None) -> int:
         """Add a component to the REXS model.
 
         Parameters
@@ -209,8 +209,10 @@ def read_rexs_file(path: Path) -> RexsModel:
         order = one.get("order", "")
         model.relations.append(RexsRelation(one.get("type", ""), roles, int(order) if order.isdigit() else None))
     for case in root.iterfind("load_spectrum/load_case"):
-        model.cases.append({_component_id(one, path): _known_attributes(one, path) for one in case.iterfind("component")})
-    for k in {*(k for r in model.relations for k in r.roles.values()), *(k for case in model.cases for k in case)}:
+        model.load_cases.append(
+            {_component_id(one, path): _known_attributes(one, path) for one in case.iterfind("component")}
+        )
+    for k in {*(k for r in model.relations for k in r.roles.values()), *(k for case in model.load_cases for k in case)}:
         if k not in model.components:
             advice = "export the file again; a relation or load case refers to a component that is missing"
             raise InputError(str(path), "id", str(k), "the id of a component", advice)
@@ -287,9 +289,9 @@ def rexs_file_text(model: RexsModel, version: str, writing_date: str) -> str:
             ET.SubElement(one, "ref", {"id": str(ref), "role": role, "hint": model.components[ref].type})
     for component in model.components.values():
         _write_component(components, component, component.attributes)
-    if model.cases:
+    if model.load_cases:
         spectrum = ET.SubElement(root, "load_spectrum", {"id": "1"})
-        for k, case in enumerate(model.cases, 1):
+        for k, case in enumerate(model.load_cases, 1):
             one = ET.SubElement(spectrum, "load_case", {"id": str(k)})
             for ref, attributes in case.items():
                 _write_component(one, model.components[ref], attributes)

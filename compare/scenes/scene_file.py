@@ -53,29 +53,29 @@ def scene_from_text(text: str, file_name: str) -> Scene:
     SceneError
         If the text has faults, or describes a scene of another kind.
     """
-    return single_set_or_raise(parse_scene(text, file_name), file_name)
+    return single_nut_scene_or_raise(parse_scene(text, file_name), file_name)
 
 
-def scene_or_assembly_or_raise(scene: Described, file_name: str) -> Scene | Assembly:
+def scene_or_shaft_or_raise(scene: Described, file_name: str) -> Scene | Assembly:
     """Return ``scene`` if it is a ball screw, a bearing, or a shaft with several of them; SceneError for other kinds.
 
     ``file_name``: name of the file, for messages.
     """
-    return scene if isinstance(scene, Assembly) else single_set_or_raise(scene, file_name)
+    return scene if isinstance(scene, Assembly) else single_nut_scene_or_raise(scene, file_name)
 
 
-def scenes_of_load_cases(scene: Described, file_name: str) -> list[Scene] | list[Assembly]:
+def scenes_to_solve(scene: Described, file_name: str) -> list[Scene] | list[Assembly]:
     """Return the scenes to solve: the scene under each load case in order, or the scene itself if it has no load cases.
 
     ``file_name``: name of the file, for messages. SceneError for kinds of scenes of which only friction is computed.
     """
     if isinstance(scene, DutyCycle):
         return [case.scene for case in scene.cases]  # type: ignore[return-value]
-    single = scene_or_assembly_or_raise(scene, file_name)
+    single = scene_or_shaft_or_raise(scene, file_name)
     return [single]  # type: ignore[return-value]
 
 
-def single_set_or_raise(scene: Described, file_name: str) -> Scene:
+def single_nut_scene_or_raise(scene: Described, file_name: str) -> Scene:
     """Return ``scene`` if it is a ball screw or bearing with only one nut or row; SceneError for other kinds.
 
     ``file_name``: name of the file, for messages.
@@ -99,7 +99,7 @@ class ParsedScene:
     """Scene that was read from the text of a scene file; the record that the cache stores."""
 
     #: The scene.
-    described: Described
+    scene: Described
 
 
 def parse_scene(text: str, file_name: str) -> Described:
@@ -114,7 +114,7 @@ def parse_scene(text: str, file_name: str) -> Described:
 
     Returns
     -------
-    Scene, Assembly, DutyCycle or KindScene
+    Scene, Assembly, DutyCycle or FrictionScene
         The scene.
 
     Raises
@@ -122,7 +122,7 @@ def parse_scene(text: str, file_name: str) -> Described:
     SceneError
         If the text has faults.
     """
-    return _parse_scene_cached(text, file_name).described
+    return _parse_scene_cached(text, file_name).scene
 
 
 @cached_on_disk(ParsedScene)

@@ -11,10 +11,10 @@ from rollbench.compare.scenes.body_checks import geometry_faults, hertz_constant
 from rollbench.compare.scenes.duty_cycle import AXIS, KINDS, WHOLE, Described, DutyCycle
 from rollbench.compare.scenes.fault import (
     Fault,
-    combined_scene_error,
-    fault_texts,
-    raise_faults,
-    validate_beyond_faults,
+    messages_of_faults,
+    raise_scene_error_for_faults,
+    scene_error_of_all_faults,
+    validate_and_collect_faults,
     validate_or_raise,
 )
 from rollbench.compare.scenes.from_keys import load_case_faults, scene_from_keys, with_load_cases, with_preload_as_oversize
@@ -25,7 +25,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.units import toml_text
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.schema import AxisKeys
+    from rollbench.compare.scenes.schema import ShaftSceneKeys
 
 #: Tables that only scenes of the friction kinds have: if a file has one of them, it must name its kind.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
@@ -47,10 +47,10 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
         For faulty keys, and for parts that cannot be built.
     """
     kind = tables.get("kind")
-    if _describes_several_sets(tables):
-        from rollbench.compare.scenes.axis_file import build_axis_scene
+    if _describes_shaft_with_several_parts(tables):
+        from rollbench.compare.scenes.axis_file import shaft_scene_from_keys
 
-        return build_axis_scene(_validated_axis_keys(tables, file_name), tables, file_name, Path(file_name).stem)
+        return shaft_scene_from_keys(_validated_axis_keys(tables, file_name), tables, file_name, Path(file_name).stem)
     nut = tables.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a ball screw or bearing with a misspelt key
     if kind is None and FOREIGN & tables.keys() and not bodies:
@@ -58,7 +58,7 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
         advice = f'write e.g. kind = "{KINDS[0]}"; the table [{name}] exists only in kinds that rollbench friction solves'
         raise SceneError(file_name, "kind", "nothing", ", ".join(map(toml_text, KINDS)), advice)
     if kind is None or kind in WHOLE:
-        return single_set_scene_from_tables(tables, file_name)
+        return single_nut_scene_from_tables(tables, file_name)
     if kind not in KINDS:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *KINDS), n=1, cutoff=0.5)
         advice = f"did you mean {toml_text(near[0])}?" if near else "leave the key out for a whole ball screw or bearing"
@@ -66,55 +66,55 @@ def scene_from_tables(tables: dict[str, Any], file_name: str) -> Described:
     from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
 
     of = scene_kind_by_name(kind)
-    keys = validate_or_raise(tables, of.keys, file_name)
-    raise_faults(file_name, tables, list(of.faults(keys)))
-    return of.record(keys, escape_unprintable(Path(file_name).stem))
+    keys = validate_or_raise(tables, of.key_class, file_name)
+    raise_scene_error_for_faults(file_name, tables, list(of.faults_of_keys(keys)))
+    return of.scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
 
 
-def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | AxisKeys:
+def validated_keys(tables: dict[str, Any], file_name: str) -> SceneKeys | ShaftSceneKeys:
     """Return the validated keys of the scene file of a ball screw, bearing or shaft with several; SceneError for faults.
 
     ``tables``: tables of the file; ``file_name``: name of the file, for messages.
     """
     return (
         _validated_axis_keys(tables, file_name)
-        if _describes_several_sets(tables)
+        if _describes_shaft_with_several_parts(tables)
         else validate_or_raise(tables, SceneKeys, file_name)
     )
 
 
-def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> AxisKeys:
+def _validated_axis_keys(tables: dict[str, Any], file_name: str) -> ShaftSceneKeys:
     """Return the validated keys of the scene file of a shaft with nuts and bearings; SceneError for faulty keys."""
-    from rollbench.compare.scenes.schema import AxisKeys
+    from rollbench.compare.scenes.schema import ShaftSceneKeys
 
-    return validate_or_raise(tables, AxisKeys, file_name)
+    return validate_or_raise(tables, ShaftSceneKeys, file_name)
 
 
-def _describes_several_sets(tables: dict[str, Any]) -> bool:
+def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
     """Return whether the tables of a scene file describe a shaft with several nuts or bearings (``[[sets]]``)."""
     return "sets" in tables or tables.get("kind") == AXIS
 
 
-def single_set_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
+def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
     """Return the ball screw or bearing that the tables of a scene file describe, in one load case or several.
 
     ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all that can be
     detected before the first ones are corrected.
     """
-    keys, key_faults = validate_beyond_faults(tables, SceneKeys)
-    texts = list(key_faults.texts)
+    keys, key_faults = validate_and_collect_faults(tables, SceneKeys)
+    texts = list(key_faults.messages)
     if keys is not None:
         faults = (*conflicting_key_faults(keys), *load_case_faults(keys))
-        texts += fault_texts(tables, [fault for fault in faults if key_faults.are_in_file(fault.keys)])
-    if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.texts):
-        raise combined_scene_error(file_name, texts)
+        texts += messages_of_faults(tables, [fault for fault in faults if key_faults.concern_values_of_file(fault.keys)])
+    if keys is None or not key_faults.bodies_unchanged or len(texts) > len(key_faults.messages):
+        raise scene_error_of_all_faults(file_name, texts)
     scene = scene_from_keys(keys, escape_unprintable(Path(file_name).stem))
-    texts += fault_texts(tables, _geometry_or_contact_faults(scene))
+    texts += messages_of_faults(tables, _geometry_or_contact_faults(scene))
     if texts:
-        raise combined_scene_error(file_name, texts)
+        raise scene_error_of_all_faults(file_name, texts)
     if keys.preload is not None:
         scene = with_preload_as_oversize(scene, keys.preload)
-        raise_faults(file_name, tables, _geometry_or_contact_faults(scene))
+        raise_scene_error_for_faults(file_name, tables, _geometry_or_contact_faults(scene))
     return with_load_cases(with_single_arc_grooves(scene), keys.cases, tables, file_name, _geometry_or_contact_faults)
 
 

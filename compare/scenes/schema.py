@@ -11,34 +11,36 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from rollbench.compare.scenes import keys
-from rollbench.compare.scenes.keys import config_requiring_one_of, fill_in_radius, key
+from rollbench.compare.scenes.keys import config_requiring_radius_or_diameter, fill_in_radius, key
 from rollbench.meshes import parts, ranges
 from rollbench.meshes.axis import Drive, Segment
 from rollbench.meshes.parts import Flange, Friction, Motion, NutHeld
-from rollbench.meshes.ranges import ForceOrShare, Quantity, Rate, ShareOfRating
+from rollbench.meshes.ranges import ForceOrRatingShareRange, QuantityRange, RateRange, ShareOfLoadRating
 
-BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
+BallDiameter = Annotated[float, QuantityRange("length", "0.02 mm", "2 m", "5.556 mm")]
 
-Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
+Gap = Annotated[float, QuantityRange("number", 0, 1000, 0.5)]
 
-Preload = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "10 MN", "500 N", above=True)]
+Preload = Annotated[
+    float | ShareOfLoadRating, ForceOrRatingShareRange("force", "0 N", "10 MN", "500 N", lower_limit_excluded=True)
+]
 
-Share = Annotated[float, Quantity("number", 0, 1, 0.5)]
+Share = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
 
-CaseTime = Annotated[float, Rate("time", "0 s", "1000000000 s", "2 s")]
+CaseTime = Annotated[float, RateRange("time", "0 s", "1000000000 s", "2 s")]
 
 
-class ClearanceKeys(keys.Table):
+class ClearanceKeys(keys.SceneFileTable):
     """Internal clearance of a bearing, as in data sheets: total free travel of one ring relative to the other."""
 
     radial: ranges.Clearance | None = key("radial clearance", None, "13 um")
     axial: ranges.Clearance | None = key("axial clearance (instead of radial)", None, "96 um")
 
 
-class TrackKeys(keys.HelixKeys):
+class TrackKeys(keys.BallHelixKeys):
     """Nominal path of the ball centres: a helix, or a circle for a bearing."""
 
-    model_config = config_requiring_one_of("pitch_radius", "pitch_diameter")
+    model_config = config_requiring_radius_or_diameter("pitch_radius", "pitch_diameter")
 
     contact_angle: ranges.ContactAngle | None = key(  # type: ignore[assignment]
         "nominal angle between contact normal and radius; for a bearing clearance may be given instead", None, "45 deg"
@@ -73,7 +75,7 @@ class ScrewKeys(keys.GrooveKeys):
     material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
-class FlangeKeys(keys.Table):
+class FlangeKeys(keys.SceneFileTable):
     """Flange at one end of a nut; the length of the nut includes the flange."""
 
     diameter: ranges.Size = key("outer diameter", example="72 mm")
@@ -84,7 +86,7 @@ class FlangeKeys(keys.Table):
     )
 
 
-class HeldKeys(keys.Table):
+class NutFixingKeys(keys.SceneFileTable):
     """Surface at which a nut or outer ring is fixed."""
 
     at: NutHeld | None = key(
@@ -120,7 +122,7 @@ class NutKeys(keys.GrooveKeys):
         "angle from the screw's x axis to the nut's, in which the nut's errors are defined", "0 deg", "0 deg"
     )
     flange: FlangeKeys | None = key("flange of a nut with a lead", None, {"diameter": "72 mm", "thickness": "11 mm"})
-    held: HeldKeys = key("where the nut is fixed", HeldKeys(), {"at": "left face"})
+    held: NutFixingKeys = key("where the nut is fixed", NutFixingKeys(), {"at": "left face"})
     material: keys.MaterialKeys | None = key("material of this part, if it is not that of [material]", None, keys.MATERIAL)
 
 
@@ -130,7 +132,7 @@ Arc = Annotated[list[ranges.Azimuth], Field(min_length=2, max_length=2)]
 class BallKeys(keys.BallSizeKeys):
     """Balls: their size, and their positions by count or filling with turns, by count with arcs, or by single azimuths."""
 
-    model_config = config_requiring_one_of("radius", "diameter")
+    model_config = config_requiring_radius_or_diameter("radius", "diameter")
 
     diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
     count: keys.Count | None = key("number of balls in all starts and circuits, evenly spaced (with turns)", None, 32)
@@ -159,7 +161,7 @@ class BallKeys(keys.BallSizeKeys):
         return fill_in_radius(value, "radius", "diameter")
 
 
-class BallErrorKeys(keys.OversizeKeys):
+class BallErrorKeys(keys.BallOversizeKeys):
     """Manufacturing errors of the ball radii: of all balls, of single balls, and random ones."""
 
     listed: dict[str, ranges.Deviation] = key(
@@ -169,7 +171,7 @@ class BallErrorKeys(keys.OversizeKeys):
     distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
 
 
-class ErrorKeys(keys.Table):
+class ManufacturingErrorKeys(keys.SceneFileTable):
     """Manufacturing errors of balls and grooves; all are zero if left out."""
 
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of all random errors", 0, 2019)
@@ -180,7 +182,7 @@ class ErrorKeys(keys.Table):
     NR: parts.SideErrors = key("nut, right flank", parts.SideErrors(), {"profile": ["3 um"]})
 
 
-class DisplaceKeys(keys.Table):
+class DisplacementKeys(keys.SceneFileTable):
     """Prescribed displacements and small rotations of a support or housing."""
 
     ux: ranges.Shift | None = key("displacement along x", None)
@@ -196,15 +198,15 @@ class DisplaceKeys(keys.Table):
         return self.model_dump(exclude_none=True)
 
 
-class SupportKeys(keys.Table):
+class SupportKeys(keys.SceneFileTable):
     """Support of the screw at one axial position."""
 
     at: ranges.Station = key("axial position of the support, from the left end of the screw", example="0 mm")
     fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "uz"])
-    displace: DisplaceKeys = key("degrees of freedom fixed at other values", DisplaceKeys(), {"ux": "300 um"})
+    displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"ux": "300 um"})
 
     @property
-    def held(self) -> tuple[str, ...]:
+    def fixed_freedoms(self) -> tuple[str, ...]:
         """Names of the degrees of freedom that the support fixes: first those at zero, then those at other values."""
         return (*self.fix, *self.displace.given)
 
@@ -217,7 +219,7 @@ Loads = Annotated[list[parts.Load], Field(max_length=1000)]
 LOADED, CASE = [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}], [{"name": "cutting", "share": 1.0}]
 
 
-class FrictionKeys(keys.Table):
+class FrictionKeys(keys.SceneFileTable):
     """Coulomb friction between balls and grooves, for the command rollbench friction. It does not change static loads."""
 
     coefficient: ranges.Coefficient | None = key(
@@ -246,7 +248,7 @@ class FrictionKeys(keys.Table):
     )
 
 
-class PreloadKeys(keys.Table):
+class PreloadKeys(keys.SceneFileTable):
     """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
     contact by a lead offset of its halves. Give one of the three."""  # noqa: D205, D209 - a description in the schema
 
@@ -264,14 +266,14 @@ class PreloadKeys(keys.Table):
     )
 
 
-class CaseSupportKeys(keys.Table):
+class LoadCaseSupportKeys(keys.SceneFileTable):
     """Prescribed displacements of one of the scene's supports in one load case."""
 
     at: ranges.Station = key("axial position of the support in the scene", example="0 mm")
-    displace: DisplaceKeys = key("displacements of degrees of freedom that the support fixes", example={"ux": "300 um"})
+    displace: DisplacementKeys = key("displacements of degrees of freedom that the support fixes", example={"ux": "300 um"})
 
 
-class CaseKeys(keys.Table):
+class LoadCaseKeys(keys.SceneFileTable):
     """One of several load cases of the same parts: its loads, its supports, and its share of all revolutions."""
 
     name: keys.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
@@ -279,7 +281,7 @@ class CaseKeys(keys.Table):
     time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
     speed: ranges.Turning | None = key("angular speed of the rotating part in this case (with time)", None, "600 rpm")
     loads: Loads | None = key("loads on the screw, instead of those of the scene", None, LOADED)
-    supports: Annotated[list[CaseSupportKeys], Field(max_length=1000)] = key(
+    supports: Annotated[list[LoadCaseSupportKeys], Field(max_length=1000)] = key(
         "displacements of the scene's supports in this case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
     oversize: ranges.Deviation | None = key(
@@ -287,7 +289,7 @@ class CaseKeys(keys.Table):
     )
 
 
-class SceneKeys(keys.HeadKeys):
+class SceneKeys(keys.TitleKeys):
     """One ball screw or bearing, in one load case or several. Lengths, forces and angles are texts with a unit."""
 
     kind: Literal["ball screw", "bearing"] | None = key(
@@ -304,10 +306,10 @@ class SceneKeys(keys.HeadKeys):
     screw: ScrewKeys = key("screw shaft, or inner ring")
     nut: NutKeys = key("nut, or outer ring")
     balls: BallKeys = key("balls")
-    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
+    errors: ManufacturingErrorKeys = key("geometric errors", ManufacturingErrorKeys(), {"seed": 0})
     supports: Supports = key("supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}])
     loads: Loads = key("loads on the screw", [], LOADED)
-    cases: Annotated[list[CaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
+    cases: Annotated[list[LoadCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
     ingredients: parts.Ingredients = key("options of the low-order models", parts.Ingredients(), {"screw": "rigid"})
     solid: parts.Solid = key("inputs of the 3D reference only", parts.Solid(), {"nut_groove": "through"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
@@ -320,11 +322,11 @@ class SceneKeys(keys.HeadKeys):
     operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
 
 
-Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
+Warming = Annotated[float, QuantityRange("temperature difference", "-500 K", "500 K", "10 K")]
 
-Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
+Expansion = Annotated[float, QuantityRange("number", 0, 1e-3, 11.5e-6)]
 
-Push = Annotated[float | ShareOfRating, ForceOrShare("force", "0 N", "1000 MN", "500 N")]
+Push = Annotated[float | ShareOfLoadRating, ForceOrRatingShareRange("force", "0 N", "1000 MN", "500 N")]
 
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 
@@ -341,14 +343,14 @@ class ShaftKeys(ScrewKeys):
     )
 
 
-class InnerKeys(keys.GrooveKeys):
+class InnerRingKeys(keys.GrooveKeys):
     """Inner ring of a bearing, or groove of a nut on the shaft, if it differs from the groove of the shaft."""
 
     outer_diameter: ranges.Size | None = key("diameter of its shoulders, if it is not that of the shaft", None, "40 mm")
     material: keys.MaterialKeys | None = key("its material, if it is not that of the shaft", None, keys.MATERIAL)
 
 
-class RollerKeys(keys.Table):
+class TaperedRollerKeys(keys.SceneFileTable):
     """One row of tapered rollers with its rings: dimensions, crowning, and contact with the rib."""
 
     count: keys.Count = key("number of rollers", example=16)
@@ -382,7 +384,7 @@ class RollerKeys(keys.Table):
     )
 
 
-class SetKeys(keys.Table):
+class NutOrBearingKeys(keys.SceneFileTable):
     """One ball nut, ball bearing (lead of zero) or row of tapered rollers on a shaft, and how it is mounted."""
 
     name: Name = key("name of the nut or bearing in results", example="nut 1")
@@ -425,17 +427,17 @@ class SetKeys(keys.Table):
         "of rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
     )
     track: TrackKeys | None = key("path of the ball centres", None)
-    screw: InnerKeys | None = key("its inner ring, or its groove on the shaft if that differs", None)
+    screw: InnerRingKeys | None = key("its inner ring, or its groove on the shaft if that differs", None)
     nut: NutKeys | None = key("nut, or outer ring", None)
     balls: BallKeys | None = key("balls", None)
-    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
-    rollers: RollerKeys | None = key("tapered rollers", None)
+    errors: ManufacturingErrorKeys = key("geometric errors", ManufacturingErrorKeys(), {"seed": 0})
+    rollers: TaperedRollerKeys | None = key("tapered rollers", None)
     seals: ranges.Torque = key(
         "friction torque of the seals or wipers as in catalogues; for an arrangement, of each row", "0 N m", "100 N mm"
     )
 
 
-class SpringKeys(keys.Table):
+class SpringKeys(keys.SceneFileTable):
     """Stiffnesses of springs along and about the axes; zero if left out."""
 
     ux: ranges.Spring = key("along x", "0 N/m", "200 N/um")
@@ -449,46 +451,46 @@ class SpringKeys(keys.Table):
 Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
 
 
-class StiffKeys(keys.Table):
+class StiffnessKeys(keys.SceneFileTable):
     """Stiffness of a housing or joint in six degrees of freedom, by springs or by a matrix."""
 
     springs: SpringKeys | None = key("independent springs", None, {"ux": "200 N/um"})
     matrix: Matrix | None = key("symmetric 6x6 matrix in N, m and rad (instead of springs)", None)
 
 
-class HousingKeys(StiffKeys):
+class HousingKeys(StiffnessKeys):
     """Rigid housing of nuts or outer rings; in directions that are not fixed or displaced, it moves against its springs."""
 
     name: Name = key("name of the housing", example="carriage")
     at: ranges.Station = key("axial position to which its motion, springs and loads refer", example="400 mm")
     fix: keys.Freedoms = key("degrees of freedom fixed at zero", [], ["ux", "uy", "rx", "ry", "rz"])
-    displace: DisplaceKeys = key("degrees of freedom fixed at other values", DisplaceKeys(), {"uz": "20 um"})
+    displace: DisplacementKeys = key("degrees of freedom fixed at other values", DisplacementKeys(), {"uz": "20 um"})
     force: ranges.Forces = key("force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"])
     moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
-class JointKeys(StiffKeys):
+class JointKeys(StiffnessKeys):
     """Elastic connection of two housings, such as a spacer or a bolted joint."""
 
     between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
     at: ranges.Station = key("axial position at which its springs act", example="400 mm")
 
 
-class AskedKeys(keys.Table):
+class StiffnessPositionKeys(keys.SceneFileTable):
     """Position at which the stiffness of the whole assembly is reported; if left out, where the loads act."""
 
     at: ranges.Station | None = key("position along the shaft", None, "400 mm")
     housing: Name | None = key("name of a housing (instead of at)", None, "carriage")
 
 
-class HeatKeys(keys.Table):
+class ShaftHeatingKeys(keys.SceneFileTable):
     """Uniform temperature rise of the shaft relative to all other parts."""
 
     warming: Warming = key("temperature rise", example="10 K")
     expansion: Expansion = key("coefficient of thermal expansion per K", example=11.5e-6)
 
 
-class AxisIngredientKeys(keys.Table):
+class ShaftModelOptionKeys(keys.SceneFileTable):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
@@ -506,7 +508,7 @@ class AxisIngredientKeys(keys.Table):
     )
 
 
-class CaseHousingKeys(keys.Table):
+class LoadCaseHousingKeys(keys.SceneFileTable):
     """Loads on one of the scene's housings in one load case."""
 
     name: Name = key("name of the housing in the scene", example="carriage")
@@ -514,21 +516,23 @@ class CaseHousingKeys(keys.Table):
     moment: ranges.Moments = key("moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"])
 
 
-class AxisCaseKeys(CaseKeys):
+class ShaftLoadCaseKeys(LoadCaseKeys):
     """One of several load cases of a shaft; its oversize applies to the balls of all nuts and bearings."""
 
-    housings: Annotated[list[CaseHousingKeys], Field(max_length=100)] = key(
+    housings: Annotated[list[LoadCaseHousingKeys], Field(max_length=100)] = key(
         "loads on housings, instead of those of the scene", [], [{"name": "carriage", "force": ["0 N", "0 N", "5 kN"]}]
     )
 
 
-class AxisKeys(keys.HeadKeys):
+class ShaftSceneKeys(keys.TitleKeys):
     """One shaft with several nuts and bearings, with or without housings, in one load case or several."""
 
     kind: Literal["axis"] = key("what the scene describes", "axis", "axis")
     material: keys.MaterialKeys = key("material of all parts without their own", keys.MaterialKeys(), keys.MATERIAL)
     screw: ShaftKeys = key("screw shaft")
-    sets: Annotated[list[SetKeys], Field(min_length=1, max_length=100)] = key("ball nuts and bearings, in any order")
+    sets: Annotated[list[NutOrBearingKeys], Field(min_length=1, max_length=100)] = key(
+        "ball nuts and bearings, in any order"
+    )
     housings: Annotated[list[HousingKeys], Field(max_length=100)] = key(
         "housings that move", [], [{"name": "carriage", "at": "400 mm"}]
     )
@@ -537,10 +541,12 @@ class AxisKeys(keys.HeadKeys):
     )
     supports: Supports = key("supports of the shaft other than bearings", [], [{"at": "0 mm", "fix": ["rz"]}])
     loads: Loads = key("loads on the shaft", [], LOADED)
-    cases: Annotated[list[AxisCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
-    stiffness: AskedKeys = key("where the stiffness is reported", AskedKeys(), {"housing": "carriage"})
-    heat: HeatKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
-    ingredients: AxisIngredientKeys = key("options of the low-order models", AxisIngredientKeys(), {"section": "full"})
+    cases: Annotated[list[ShaftLoadCaseKeys], Field(max_length=1000)] = key("load cases of the same parts", [], CASE)
+    stiffness: StiffnessPositionKeys = key(
+        "where the stiffness is reported", StiffnessPositionKeys(), {"housing": "carriage"}
+    )
+    heat: ShaftHeatingKeys | None = key("temperature rise of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
+    ingredients: ShaftModelOptionKeys = key("options of the low-order models", ShaftModelOptionKeys(), {"section": "full"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: Motion | None = key("motion of the shaft", None, {"speed": "600 rpm"})
     lubricant: parts.Lubricant | None = key("lubricant, for torques that depend on speed", None, {"viscosity": "27 mm2/s"})

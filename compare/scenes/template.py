@@ -94,7 +94,7 @@ def commented_template(kind: str = "ball screw") -> str:
         raise ArgumentError("kind", kind, allowed, "choose one of these; a complete screw is a ball-screw")
     if name == "ball screw" or name in BEARINGS:
         file = "template.toml" if name == "ball screw" else f"template-{name.replace(' ', '-')}.toml"
-        return files.text(file)
+        return files.shipped_text(file)
     values = tomllib.loads(shipped_scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
     for key in ("source", "assumed"):
         values.pop(key, None)
@@ -114,7 +114,7 @@ def _schema_of_kind(kind: str) -> dict[str, Any]:
         return schema
     from rollbench.compare.scenes.friction_kinds.table import scene_kind_by_name
 
-    return scene_schema_of_kind(scene_kind_by_name(kind).keys)
+    return scene_schema_of_kind(scene_kind_by_name(kind).key_class)
 
 
 def _table_lines(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
@@ -233,7 +233,7 @@ def _fill_in_text(name: str, values: Mapping[str, Any], **words: object) -> str:
 
     Title and assumptions of these texts do not repeat values that a user may change later.
     """
-    return files.text(f"scenes/like_texts/{name}.txt").format(**values, **words)
+    return files.shipped_text(f"scenes/like_texts/{name}.txt").format(**values, **words)
 
 
 def _without_circuit_gap(text: str, values: dict[str, Any]) -> str:

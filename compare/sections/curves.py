@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.comparison import Loads
+from rollbench.compare.models.comparison import ContactSolution
 from rollbench.compare.reference.estimate import Reference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
@@ -21,26 +21,31 @@ def scale_to_python_floats(values: Array, factor: float = 1.0) -> list[float]:
 
 
 def lateral_displacement_curves(
-    stations: Array, moved: Array, name: str = "u_{}", style: str = "line", *, emphasis: bool = False
+    axial_positions: Array,
+    displacements: Array,
+    label_pattern: str = "u_{}",
+    style: str = "line",
+    *,
+    emphasis: bool = False,
 ) -> tuple[Series, Series]:
     """Return two curves of a screw centreline's lateral displacement [um], in x and in y, over the axial position [mm].
 
     Parameters
     ----------
-    stations
+    axial_positions
         Axial positions, (k,) [m].
-    moved
+    displacements
         Displacements in x, y and possibly further directions, (k, 2 or more) [m].
-    name
+    label_pattern
         Label of each curve, with the placeholder {} for the direction x or y.
     style
         Style of the curves, as in `Series`.
     emphasis
         Whether the curves are drawn bold.
     """
-    z = scale_to_python_floats(stations, 1e3)
+    z = scale_to_python_floats(axial_positions, 1e3)
     x, y = (
-        Series(name.format(axis), z, scale_to_python_floats(moved[:, k], 1e6), style, emphasis=emphasis)
+        Series(label_pattern.format(axis), z, scale_to_python_floats(displacements[:, k], 1e6), style, bold=emphasis)
         for k, axis in enumerate("xy")
     )
     return x, y
@@ -51,12 +56,12 @@ def contact_load_panel(title: str, *series: Series, zero: bool = False) -> Panel
 
     ``series``: the curves. ``zero``: whether the ordinate begins at zero.
     """
-    return Panel(title, "ball", "contact load / N", series, zero=zero, integer_x=True)
+    return Panel(title, "ball", "contact load / N", series, include_zero=zero, integer_x=True)
 
 
 def contact_load_curve(
     label: str,
-    result: StaticResult | Loads | Reference,
+    result: StaticResult | ContactSolution | Reference,
     side: int,
     style: str = "line+markers",
     *,
@@ -87,7 +92,7 @@ def contact_load_curve(
         if uncertainty is None
         else (scale_to_python_floats(load - uncertainty[:, side]), scale_to_python_floats(load + uncertainty[:, side]))
     )
-    return Series(label, balls, scale_to_python_floats(load), style, emphasis=emphasis, bars=ends)
+    return Series(label, balls, scale_to_python_floats(load), style, bold=emphasis, error_bars=ends)
 
 
 #: Largest number of curves in a panel.
@@ -132,7 +137,7 @@ def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], 
 
 
 def _convergence_curve_and_power_law(
-    row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float
+    row: Mapping[str, Any], level_keys: Sequence[str], relative_cell_sizes: Sequence[float], scale: float
 ) -> list[Series]:
     """Return the curve of one quantity over the cell size, and the fitted power law to cell size zero if there is one.
 
@@ -140,25 +145,25 @@ def _convergence_curve_and_power_law(
     ----------
     row
         Row of the mesh-study table for the quantity.
-    keys
+    level_keys
         Keys under which the row has the value on each mesh level; the finest level last.
-    sizes
+    relative_cell_sizes
         Cell sizes of the levels relative to the finest.
     scale
         Value by which the differences from the finest level are divided; 0: no curve is returned.
     """
-    finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
+    finest, bar = row[level_keys[-1]], row["uncertainty"] or 0.0
     if scale == 0.0:
         return []
 
     def off(value: Any) -> Any:
         return error_percent(value, finest, scale)
 
-    y = [float(off(row[key])) for key in keys]
+    y = [float(off(row[key])) for key in level_keys]
     ends = (*y[:-1], float(off(finest - bar))), (*y[:-1], float(off(finest + bar)))
-    out = [Series(row["quantity"], sizes, y, "line+markers", bars=ends)]
+    out = [Series(row["quantity"], relative_cell_sizes, y, "line+markers", error_bars=ends)]
     if row["extrapolated"] is not None and row["order"]:
         h = np.linspace(0.0, 1.0, 21)
         line = off(row["extrapolated"] + (finest - row["extrapolated"]) * h ** row["order"])
-        out.append(Series(row["quantity"], h.tolist(), np.asarray(line, float).tolist(), "line", light=True))
+        out.append(Series(row["quantity"], h.tolist(), np.asarray(line, float).tolist(), "line", pale=True))
     return out

@@ -15,16 +15,16 @@ from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.models.applicability import (
     DESCRIPTORS,
     Descriptor,
-    descriptor_values_of_compared,
+    descriptor_values_of_compared_scenes,
     descriptors_with_ranges,
 )
 from rollbench.compare.models.comparison import RULE
-from rollbench.compare.models.model_form import Point, errors_on_compared_scenes
+from rollbench.compare.models.model_form import MeasuredModelErrors, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import DEFAULT
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 #: Names of the quantities whose errors are compared, by name of the field of a `Point` that has the error.
 NAMES = {
@@ -44,7 +44,7 @@ WORDS = (
 
 #: Limits of the errors by the gate [%], which does not judge errors in per cent of the mean load.
 LIMITS = {"gate_percent": LIMIT} | {
-    f"{q.name}_percent": q.times * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
+    f"{q.name}_percent": q.default_limit_ratio * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
 }
 
 NOT_FIT = (
@@ -67,40 +67,40 @@ class ModelErrors:
     """Absolute errors of one model in one quantity, against the 3D reference, on all compared scenes."""
 
     #: Quantity whose error is given, as a key of `NAMES`.
-    key: str
+    quantity_key: str
     #: Name of the model.
     model: str
     #: Absolute errors on n scenes, (n,) [%].
-    errors: Array
+    absolute_errors: Array
 
     @property
-    def within(self) -> float | None:
+    def share_within_limit(self) -> float | None:
         """Share (0 to 1) of scenes with an error within the limit of ``rollbench check``; None if there is no limit."""
-        return float(np.mean(self.errors <= LIMITS[self.key])) if self.key in LIMITS else None
+        return float(np.mean(self.absolute_errors <= LIMITS[self.quantity_key])) if self.quantity_key in LIMITS else None
 
     @property
-    def good(self) -> bool | None:
+    def is_accurate_enough(self) -> bool | None:
         """Whether the errors on 95 % of the scenes are within the limit of ``rollbench check``; None without a limit."""
-        return None if self.within is None else self.within >= 0.95
+        return None if self.share_within_limit is None else self.share_within_limit >= 0.95
 
     @property
     def table_row(self) -> Row:
         """Table row: median, 95th percentile and largest error, limit of ``rollbench check``, share of scenes within it."""
-        share, good = self.within, self.good
+        share, good = self.share_within_limit, self.is_accurate_enough
         return {
-            "quantity": WORDS[self.key],
+            "quantity": WORDS[self.quantity_key],
             "model": self.model,
-            Quantity("scenes", "scenes", "", "s"): int(self.errors.size),
-            Quantity("median", "error, median", "%", ".2f"): float(np.median(self.errors)),
-            Quantity("p95", "error, 95th percentile", "%", ".2f"): float(np.percentile(self.errors, 95)),
-            Quantity("largest", "error, largest", "%", ".1f"): float(self.errors.max()),
-            Quantity("limit", "limit of rollbench check", "%", ".3g"): LIMITS.get(self.key),
-            Quantity("within", "scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
+            TableColumn("scenes", "scenes", "", "s"): int(self.absolute_errors.size),
+            TableColumn("median", "error, median", "%", ".2f"): float(np.median(self.absolute_errors)),
+            TableColumn("p95", "error, 95th percentile", "%", ".2f"): float(np.percentile(self.absolute_errors, 95)),
+            TableColumn("largest", "error, largest", "%", ".1f"): float(self.absolute_errors.max()),
+            TableColumn("limit", "limit of rollbench check", "%", ".3g"): LIMITS.get(self.quantity_key),
+            TableColumn("within", "scenes within the limit", "%", ".0f"): None if share is None else 100.0 * share,
             "verdict": None if good is None else "yes" if good else "no",
         }
 
 
-def errors_by_model_and_quantity(points: Sequence[Point]) -> list[ModelErrors]:
+def absolute_errors_by_model_and_quantity(points: Sequence[MeasuredModelErrors]) -> list[ModelErrors]:
     """Return the absolute errors of every model in every compared quantity, over all scenes.
 
     ``points``: one record for each model and scene, with the errors in all quantities.
@@ -114,39 +114,39 @@ def errors_by_model_and_quantity(points: Sequence[Point]) -> list[ModelErrors]:
     return found
 
 
-def accurate_quantities_sentence(found: Sequence[ModelErrors]) -> str:
+def sentences_on_accurate_quantities(model_errors: Sequence[ModelErrors]) -> str:
     """Return the sentences on the quantities for which the default model is, and Lin's model is not, accurate enough.
 
     A model is accurate enough for a quantity if its error is within the limit of ``rollbench check`` on at least 95 % of
-    the compared scenes. ``found``: errors by model and quantity.
+    the compared scenes. ``model_errors``: errors by model and quantity.
     """
-    good = [NAMES[x.key] for x in found if x.model == DEFAULT and x.good]
-    bad = [NAMES[x.key] for x in found if x.model == "lin" and x.good is False]
+    good = [NAMES[x.quantity_key] for x in model_errors if x.model == DEFAULT and x.is_accurate_enough]
+    bad = [NAMES[x.quantity_key] for x in model_errors if x.model == "lin" and x.is_accurate_enough is False]
     held = " Accurate enough: error within the limit of rollbench check on at least 95 % of the compared scenes."
-    fit = f"is accurate enough for the {_join_names(good)}." if good else "is not shown to be accurate enough."
-    unfit = f" The model lin is not accurate enough for the {_join_names(bad)}." if bad else ""
+    fit = f"is accurate enough for the {_join_with_and(good)}." if good else "is not shown to be accurate enough."
+    unfit = f" The model lin is not accurate enough for the {_join_with_and(bad)}." if bad else ""
     return f"On the compared screws, the model {DEFAULT} {fit}{unfit}{held}"
 
 
-def _join_names(names: Sequence[str]) -> str:
+def _join_with_and(names: Sequence[str]) -> str:
     """Return the names as text, joined by commas and, before the last, by "and"."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Return the section on the quantities for which each model is accurate enough.
 
-    ``study`` is not used. ``step`` is called with each line of progress.
+    ``cache`` is not used. ``step`` is called with each line of progress.
     """
     step("all compared scenes")
-    found = errors_by_model_and_quantity(errors_on_compared_scenes())
+    found = absolute_errors_by_model_and_quantity(model_errors_on_compared_scenes())
     note = (
         "Errors against the 3D reference on all shipped and all randomly drawn scenes. Verdict: yes if at least 95 % of "
         f"the scenes are within the gate's limit. This is {LIMIT:g} % for contact loads {RULE}; for other quantities it is "
         "the error that follows from load errors of this size. Errors in per cent of the mean load have no limit. The "
         "error by the gate's rule is not stored for all scenes."
     )
-    table = Table.of(
+    table = Table.from_rows(
         "fit-for",
         "Errors of each model against the 3D reference over all compared scenes, by quantity",
         [x.table_row for x in found],
@@ -156,7 +156,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:  # noqa:
         "fit",
         "Quantities for which each model is accurate enough",
         (table, Text(NOT_FIT, bullets=True)),
-        conclusion=accurate_quantities_sentence(found),
+        conclusion=sentences_on_accurate_quantities(found),
     )
 
 
@@ -169,18 +169,21 @@ def validated_range_table(scene: Scene | None = None) -> Table:
     placed = {} if scene is None else {p.descriptor.name: p for p in descriptors_with_ranges(scene)}
     ring = scene is not None and scene.track.lead == 0.0
     for d in DESCRIPTORS:
-        values = descriptor_values_of_compared(d, ring=ring)
+        values = descriptor_values_of_compared_scenes(d, of_bearings=ring)
         row: Row = {
-            Quantity("name", "descriptor of a scene", "", "s"): d.name,
+            TableColumn("name", "descriptor of a scene", "", "s"): d.name,
             "unit": d.unit or "–",
-            Quantity("low", "smallest compared value", "", "g4"): min(values),
-            Quantity("high", "largest compared value", "", "g4"): max(values),
+            TableColumn("low", "smallest compared value", "", "g4"): min(values),
+            TableColumn("high", "largest compared value", "", "g4"): max(values),
         }
         if scene is not None and d.name in placed:
             place = placed[d.name]
             inside = place.low <= place.value <= place.high
             where = "inside" if inside else "OUTSIDE" if place.outside else "at the edge"
-            row |= {Quantity("own", scene.name): place.value, Quantity("where", "relative to the range", "", "s"): where}
+            row |= {
+                TableColumn("own", scene.name): place.value,
+                TableColumn("where", "relative to the range", "", "s"): where,
+            }
         rows.append(row)
     kind = "rings" if ring else "screws"
     note = (
@@ -188,7 +191,7 @@ def validated_range_table(scene: Scene | None = None) -> Table:
         "outside a range by less than a margin (at the edge) still counts as covered; further outside, results state that "
         "their error is not known."
     )
-    return Table.of(
+    return Table.from_rows(
         "applicability",
         "Range of the sizes, angles and loads of the screws that were compared with the 3D reference",
         rows,
@@ -208,13 +211,13 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
         series = [
             Series(
                 "compared scenes",
-                descriptor_values_of_compared(a, ring=ring),
-                descriptor_values_of_compared(b, ring=ring),
+                descriptor_values_of_compared_scenes(a, of_bearings=ring),
+                descriptor_values_of_compared_scenes(b, of_bearings=ring),
                 "markers",
             )
         ]
         if scene is not None:
-            series.append(Series(scene.name, [a.value(scene)], [b.value(scene)], "markers", emphasis=True))
+            series.append(Series(scene.name, [a.value_of_scene(scene)], [b.value_of_scene(scene)], "markers", bold=True))
         panels.append(Panel("", _descriptor_label(a), _descriptor_label(b), tuple(series)))
     return Figure(
         "applicability",
@@ -223,14 +226,14 @@ def validated_range_figure(scene: Scene | None = None) -> Figure:
     )
 
 
-def _descriptor_label(d: Descriptor) -> str:
+def _descriptor_label(descriptor: Descriptor) -> str:
     """Return the axis label of a descriptor: its name with its unit, if it has one."""
-    return f"{d.name} / {d.unit}" if d.unit else d.name
+    return f"{descriptor.name} / {descriptor.unit}" if descriptor.unit else descriptor.name
 
 
-def validated_range_items(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
+def validated_range_table_and_figure(cache: SceneResultCache) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
     """Return table and figure of the range of scenes that were compared with the 3D reference; no scene is marked.
 
-    ``study`` is not used.
+    ``cache`` is not used.
     """
     return validated_range_table(), validated_range_figure()

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rollbench.compare.evidence import Evidence, evidence
+from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.gate.verdict import LIMIT
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.comparison import RULE
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.statics.summary import MODEL_ASSUMPTIONS
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
 
 #: Scene and model of the example row.
 SCENE, MODEL = "lin-case1", "lin"
@@ -60,15 +60,15 @@ TERMS = (
 )
 
 
-def example_of_verdict(study: Study) -> str:
+def verdict_example_paragraph(cache: SceneResultCache) -> str:
     """Return a paragraph that explains error, uncertainty and verdict by the load of one contact of `SCENE`.
 
-    ``study``: has the solutions and the stored 3D reference. The text is empty if the reference is not stored.
+    ``cache``: has the solutions and the stored 3D reference. The text is empty if the reference is not stored.
     """
-    found = study.reference(SCENE)
+    found = cache.stored_reference(SCENE)
     if found is None:
         return ""
-    result = study.solve(SCENE, MODEL)
+    result = cache.solve_once(SCENE, MODEL)
     e = load_error(result.load, found.load, found.contacts)
     i, s = e.ball - 1, SIDES.index(e.side)
     value, truth, mean = float(result.load[i, s]), float(found.load[i, s]), found.mean
@@ -84,62 +84,63 @@ def example_of_verdict(study: Study) -> str:
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that explains the terms error, uncertainty, class and verdict, with one example.
 
     ``step`` is called with each line of progress.
     """
     step("example of an error and its uncertainty")
     return Section(
-        "how-to-read", "How to read this report", (Text((example_of_verdict(study),)), Text(TERMS, bullets=True))
+        "how-to-read", "How to read this report", (Text((verdict_example_paragraph(cache),)), Text(TERMS, bullets=True))
     )
 
 
-def assumption_rows(study: Study) -> list[dict[str, Cell]]:
+def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
     """Return table rows of the values that scenes assume for inputs that a publication does not print.
 
-    ``study``: has the scenes that the report uses. Each row has the text of the assumption ("assumed") and the names of the
+    ``cache``: has the scenes that the report uses. Each row has the text of the assumption ("assumed") and the names of the
     scenes that make it ("scenes").
     """
     by_text: dict[str, list[str]] = {}
-    for name, scene in study.used.items():
+    for name, scene in cache.used_scenes.items():
         for sentence in scene.assumed:
             by_text.setdefault(sentence, []).append(name)
-    total = len(study.used)
+    total = len(cache.used_scenes)
     return [
         {"assumed": text, "scenes": "all" if len(names) == total else ", ".join(names)}
         for text, names in sorted(by_text.items(), key=lambda item: -len(item[1]))
     ]
 
 
-def _verdict_explanation(f: Evidence) -> str:
+def _verdict_explanation(entry: PrintedEntryComparison) -> str:
     """Return the explanation of the verdict on a printed number: a remark on its computed value or on the number itself.
 
-    ``f``: printed number with its computed value, both remarks and the verdict.
+    ``entry``: printed number with its computed value, both remarks and the verdict.
     """
-    return f.words if f.words and f.agrees is not None else f.printed.remark
+    return entry.remark if entry.remark and entry.agrees_with_printed is not None else entry.printed.remark
 
 
-def rows_not_reproduced(found: Sequence[Evidence]) -> list[Row]:
+def rows_not_reproduced(entries: Sequence[PrintedEntryComparison]) -> list[Row]:
     """Return table rows of printed numbers that are contradicted, or that the publication's text does not determine.
 
-    ``found``: printed numbers with their computed values and verdicts.
+    ``entries``: printed numbers with their computed values and verdicts.
     """
     return [
         {
-            Quantity("entry", "printed number or claim", "", "s"): p.claim or f"{p.label}: {p.printed} {p.unit}",
+            TableColumn("entry", "printed number or claim", "", "s"): p.claim
+            or f"{p.label}: {p.number_as_printed} {p.unit}",
             "place": p.place,
-            "class": p.cls,
+            "class": p.entry_class,
             "verdict": verdict,
-            Quantity("why", "best explanation and its evidence", "", "s"): _verdict_explanation(f),
+            TableColumn("why", "best explanation and its evidence", "", "s"): _verdict_explanation(f),
         }
-        for f in found
+        for f in entries
         for p, verdict in ((f.printed, f.verdict),)
         if verdict in ("contradicted", "not identifiable")
     ]
 
 
-def notes_section(study: Study, step: Callable[[str], None]) -> Section:
+def notes_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on assumptions of scenes and models, and on printed numbers that are not reproduced.
 
     ``step`` is called with each line of progress.
@@ -149,16 +150,16 @@ def notes_section(study: Study, step: Callable[[str], None]) -> Section:
         "notes",
         "Values assumed for missing inputs, and printed numbers that are not reproduced",
         (
-            Table.of(
+            Table.from_rows(
                 "not-reproduced",
                 "Numbers in publications that are contradicted, or that the publication's text does not determine",
-                rows_not_reproduced(evidence(study)),
+                rows_not_reproduced(evidence(cache)),
             ),
             Table(
                 "assumptions",
                 "Values assumed for inputs that a publication does not print",
-                (Quantity("assumed", "assumption", "", "s"), Quantity("scenes", "scenes", "", "s")),
-                assumption_rows(study),
+                (TableColumn("assumed", "assumption", "", "s"), TableColumn("scenes", "scenes", "", "s")),
+                rows_of_assumed_inputs(cache),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
         ),

@@ -10,17 +10,24 @@ import numpy as np
 from rollbench.compare.measure import LoadError, error_percent, load_error, mean_load
 from rollbench.compare.models.comparison import REFERENCED
 from rollbench.compare.models.model_form import SHARE
-from rollbench.compare.models.modelling import RUNGS, UNSEEN, Rung, errors_by_replaced_body, ladder, leave_one_out_rows
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.modelling import (
+    RUNGS,
+    UNSEEN,
+    RefinementStepResult,
+    errors_by_replaced_body,
+    ladder,
+    leave_one_out_error_rows,
+)
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.bodies import PARTS
-from rollbench.lowfi.compliance.parts import REFINED, Backend
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 #: Least number of scenes for which a figure of expected over measured errors of a model is drawn.
 MANY = 40
 #: Modelling choices of the refined model that its derivation does not determine, each with the changed model.
-CHOICES: dict[str, Backend] = {
+CHOICES: dict[str, ComplianceModel] = {
     "loaded patch of the body compliance 1.5 times as wide": replace(REFINED, width=1.5),
     "loaded patch of the body compliance 2/3 as wide": replace(REFINED, width=1.0 / 1.5),
     "bore of the smooth nut by equal wall^3, no groove layer": replace(REFINED, bore="ring"),
@@ -46,20 +53,20 @@ class ChoiceEffect:
     #: Name of the scene.
     scene: str
     #: Description of the change to the modelling choice.
-    label: str
+    changed_choice: str
     #: Largest change of a contact load that the changed choice causes [% of the mean load].
-    change: float
+    largest_load_change_percent: float
     #: Contact-load errors of the changed model against the 3D reference.
-    error: LoadError
+    load_errors: LoadError
 
 
-def modelling_choice_effects(study: Study, name: str) -> Iterator[ChoiceEffect]:
+def modelling_choice_effects(cache: SceneResultCache, name: str) -> Iterator[ChoiceEffect]:
     """Yield, for one scene, the effect of each modelling choice of the refined model on the contact loads.
 
     The first effect is that of the unchanged model. ``name``: name of the scene. Yields nothing for a scene without a
     stored 3D reference.
     """
-    scene, reference = study.scene(name), study.reference(name)
+    scene, reference = cache.built_in_scene(name), cache.stored_reference(name)
     if reference is None:
         return
     base = solve_elastic(scene, engine="interpreted").load
@@ -70,32 +77,32 @@ def modelling_choice_effects(study: Study, name: str) -> Iterator[ChoiceEffect]:
         yield ChoiceEffect(name, label, change, load_error(load, reference.load, reference.contacts))
 
 
-def model_error_table(rungs: Sequence[Rung]) -> Table:
+def model_error_table(model_solutions: Sequence[RefinementStepResult]) -> Table:
     """Return the table of the contact-load errors of every low-order model on every scene, simplest model first.
 
-    ``rungs``: solution of each scene by each model of the sequence, with its errors against the 3D reference.
+    ``model_solutions``: solution of each scene by each model of the sequence, with its errors against the 3D reference.
     """
     rows: list[Row] = [
         {
             "scene": r.scene,
             "model": r.model,
-            Quantity("max", "largest error", "% of mean", ".2f"): r.error.max_percent,
-            Quantity("at", "ball and flank of the largest", "", "s"): f"{r.error.ball} {r.error.side}",
-            Quantity("rms", "RMS error", "% of mean", ".2f"): r.error.rms_percent,
-            Quantity("own", "largest error", "% of own load", ".2f"): r.error.own_max_percent,
-            Quantity("bias", "error of the sum of loads", "%", "+.2f"): r.bias,
-            Quantity("bar", "grid uncertainty", "% of mean", ".2f"): r.uncertainty,
-            Quantity("seconds", "time for a new geometry", "s", "g3"): r.seconds,
+            TableColumn("max", "largest error", "% of mean", ".2f"): r.load_error.max_percent,
+            TableColumn("at", "ball and flank of the largest", "", "s"): f"{r.load_error.ball} {r.load_error.side}",
+            TableColumn("rms", "RMS error", "% of mean", ".2f"): r.load_error.rms_percent,
+            TableColumn("own", "largest error", "% of own load", ".2f"): r.load_error.own_max_percent,
+            TableColumn("bias", "error of the sum of loads", "%", "+.2f"): r.load_sum_difference,
+            TableColumn("bar", "grid uncertainty", "% of mean", ".2f"): r.reference_uncertainty,
+            TableColumn("seconds", "time for a new geometry", "s", "g3"): r.seconds,
         }
-        for r in rungs
+        for r in model_solutions
     ]
-    note = "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step) + (
+    note = "; ".join(f"{m.name}: {m.refinement_step[1]}" for m in RUNGS if m.refinement_step) + (
         ". Errors against the finest stored mesh level of the 3D reference. Scenes named unseen were chosen before they "
         "were solved in 3D, and no choice of the models was based on them. With two mesh levels, the grid uncertainty is "
         "three times their difference. Times are for a new geometry in a running process, with interpreted kernels; the "
         "table of run times also has new processes."
     )
-    return Table.of(
+    return Table.from_rows(
         "ladder",
         "Contact-load errors of each low-order model on each scene, from the simplest to the refined model",
         rows,
@@ -103,26 +110,26 @@ def model_error_table(rungs: Sequence[Rung]) -> Table:
     )
 
 
-def model_error_figure(rungs: Sequence[Rung]) -> Figure:
+def model_error_figure(model_solutions: Sequence[RefinementStepResult]) -> Figure:
     """Draw the largest and the RMS contact-load error over the sequence of models: a line per scene, and their median.
 
-    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
     order = [m.name for m in RUNGS]
-    scenes = list(dict.fromkeys(r.scene for r in rungs))
+    scenes = list(dict.fromkeys(r.scene for r in model_solutions))
 
-    def panel(title: str, error: Callable[[Rung], float]) -> Panel:
-        found = {(r.scene, order.index(r.model) + 1.0): error(r) for r in rungs}
+    def panel(title: str, error: Callable[[RefinementStepResult], float]) -> Panel:
+        found = {(r.scene, order.index(r.model) + 1.0): error(r) for r in model_solutions}
         steps = sorted({x for _, x in found})
         curves = [(name, [x for x in steps if (name, x) in found]) for name in scenes]
-        series = [Series(name, x, [found[name, v] for v in x], "line", light=True) for name, x in curves]
+        series = [Series(name, x, [found[name, v] for v in x], "line", pale=True) for name, x in curves]
         middle = [float(np.median([y for (_, x), y in found.items() if x == step])) for step in steps]
-        series.append(Series("median of the scenes", steps, middle, "line+markers", emphasis=True))
-        return Panel(title, "", "error / % of the mean load", tuple(series), log="y", names=order)
+        series.append(Series("median of the scenes", steps, middle, "line+markers", bold=True))
+        return Panel(title, "", "error / % of the mean load", tuple(series), log_axes="y", abscissa_names=order)
 
     panels = (
-        panel("largest error", lambda r: float(r.error.max_percent)),
-        panel("RMS error", lambda r: float(r.error.rms_percent)),
+        panel("largest error", lambda r: float(r.load_error.max_percent)),
+        panel("RMS error", lambda r: float(r.load_error.rms_percent)),
     )
     caption = f"Each light line: one of the {len(scenes)} shipped scenes."
     return Figure(
@@ -134,7 +141,7 @@ def model_error_figure(rungs: Sequence[Rung]) -> Figure:
     )
 
 
-def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
+def choice_effects_table(cache: SceneResultCache, step: Callable[[str], None]) -> Table:
     """Return the table of load changes on three scenes when one modelling choice of the refined model is changed.
 
     ``step`` is called with each line of progress.
@@ -145,12 +152,12 @@ def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
         rows += [
             {
                 "scene": c.scene,
-                "choice": c.label,
-                Quantity("change", "largest change of a load", "% of mean", ".2f"): c.change,
-                Quantity("max", "largest error of the changed model", "% of mean", ".2f"): c.error.max_percent,
-                Quantity("rms", "RMS error of the changed model", "% of mean", ".2f"): c.error.rms_percent,
+                "choice": c.changed_choice,
+                TableColumn("change", "largest change of a load", "% of mean", ".2f"): c.largest_load_change_percent,
+                TableColumn("max", "largest error of the changed model", "% of mean", ".2f"): c.load_errors.max_percent,
+                TableColumn("rms", "RMS error of the changed model", "% of mean", ".2f"): c.load_errors.rms_percent,
             }
-            for c in modelling_choice_effects(study, name)
+            for c in modelling_choice_effects(cache, name)
         ]
     note = (
         "The choices of the refined model follow from arguments and are not fitted. The loaded patch is as wide as the "
@@ -158,7 +165,7 @@ def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
         "details. The nut grooves are a layer that is softer along the axis than around it, because lands are rings that "
         "are supported only at their base. The number of harmonics is the largest that a patch can excite."
     )
-    return Table.of(
+    return Table.from_rows(
         "ladder-choices",
         "Contact-load errors of the refined model when one of its modelling choices is changed",
         rows,
@@ -166,22 +173,24 @@ def choice_effects_table(study: Study, step: Callable[[str], None]) -> Table:
     )
 
 
-def body_simplification_table(study: Study) -> Table:
+def error_with_3d_bodies_table(cache: SceneResultCache) -> Table:
     """Return the table of the refined model's error with the compliance of screw, nut or both from the 3D reference.
 
     The difference from the error of the unchanged model is the contribution of the model's simplified screw or nut.
     """
-    found = study.compute_once(errors_by_replaced_body)
+    found = cache.compute_once(errors_by_replaced_body)
     names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
     rows: list[Row] = []
     for share in found:
         row: Row = {"scene": share.scene}
         for parts, name in names.items():
-            error = share.errors[parts]
-            row[Quantity(f"max {name}", f"largest error, {name} from 3D", "% of mean", ".2f")] = error.max_percent
-            row[Quantity(f"rms {name}", f"RMS error, {name} from 3D", "% of mean", ".2f")] = error.rms_percent
-        row[Quantity("bias", "error of the sum of loads, none from 3D", "%", ".2f")] = share.bias[()]
-        row[Quantity("bias both", "error of the sum of loads, both from 3D", "%", ".2f")] = share.bias[PARTS]
+            error = share.load_errors[parts]
+            row[TableColumn(f"max {name}", f"largest error, {name} from 3D", "% of mean", ".2f")] = error.max_percent
+            row[TableColumn(f"rms {name}", f"RMS error, {name} from 3D", "% of mean", ".2f")] = error.rms_percent
+        row[TableColumn("bias", "error of the sum of loads, none from 3D", "%", ".2f")] = share.load_sum_difference[()]
+        row[TableColumn("bias both", "error of the sum of loads, both from 3D", "%", ".2f")] = share.load_sum_difference[
+            PARTS
+        ]
         rows.append(row)
     note = (
         "The refined model is solved with the compliance of screw, nut or both taken from the finest run of the 3D "
@@ -189,16 +198,18 @@ def body_simplification_table(study: Study) -> Table:
         "low-order model (contact law, kinematics, beam beyond the nut) and to the uncertainty of the reference."
     )
     title = "Contact-load error of the refined model with the compliance of screw or nut from the 3D reference"
-    return Table.of("ladder-shares", title, rows, note)
+    return Table.from_rows("ladder-shares", title, rows, note)
 
 
-def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table | Figure]:
+def expected_and_measured_error_items(
+    cache: SceneResultCache, model_solutions: Sequence[RefinementStepResult]
+) -> list[Table | Figure]:
     """Return table and figure that compare the expected error of each model with the measured one, screw by screw.
 
-    The expected error of a screw is estimated from all other screws. ``rungs``: solution of each scene by each model, with
-    its errors against the 3D reference.
+    The expected error of a screw is estimated from all other screws. ``model_solutions``: solution of each scene by each
+    model, with its errors against the 3D reference.
     """
-    rows = leave_one_out_rows(study, rungs)
+    rows = leave_one_out_error_rows(cache, model_solutions)
     lines: list[Row] = []
     panels = []
     for model in dict.fromkeys(row["model"] for row in rows):
@@ -213,28 +224,28 @@ def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table
             {
                 "model": model,
                 "scenes": str(len(of_model)),
-                Quantity("covered", "scenes within the range of the others", "", "s"): str(len(covered)),
-                Quantity("held", "error not above the expected one", "", "s"): held,
-                Quantity("ratio", "expected over measured error, median", "", ".2f"): float(np.median(ratio)),
-                Quantity("expected", "expected error, median", "% of mean", ".2f"): float(np.median(expected)),
-                Quantity("largest", "expected error, largest", "% of mean", ".2f"): float(expected.max()),
+                TableColumn("covered", "scenes within the range of the others", "", "s"): str(len(covered)),
+                TableColumn("held", "error not above the expected one", "", "s"): held,
+                TableColumn("ratio", "expected over measured error, median", "", ".2f"): float(np.median(ratio)),
+                TableColumn("expected", "expected error, median", "% of mean", ".2f"): float(np.median(expected)),
+                TableColumn("largest", "expected error, largest", "% of mean", ".2f"): float(expected.max()),
             }
         )
         if len(covered) >= MANY:
             ends = [float(min(measured.min(), expected.min())), float(max(measured.max(), expected.max()))]
             series = (
-                Series("scenes", measured.tolist(), expected.tolist(), "markers", emphasis=True),
+                Series("scenes", measured.tolist(), expected.tolist(), "markers", bold=True),
                 Series("expected = measured", ends, ends, "line"),
             )
             x, y = "measured error / % of the mean load", "expected error / % of the mean load"
-            panels.append(Panel(model, x, y, series, log="xy"))
+            panels.append(Panel(model, x, y, series, log_axes="xy"))
     note = (
         "For every screw, shipped or randomly drawn, the largest load error is estimated from all other screws: by a "
         "linear fit of the logarithm of the error over features of the scenes, times the factor with which "
         f"{SHARE:.0%} of the other scenes are covered."
     )
     out: list[Table | Figure] = [
-        Table.of(
+        Table.from_rows(
             "ladder-estimate", "Expected contact-load error of each model compared with the measured error", lines, note
         )
     ]
@@ -251,31 +262,31 @@ def expected_error_test_items(study: Study, rungs: Sequence[Rung]) -> list[Table
     return out
 
 
-def largest_errors_sentence(rungs: Sequence[Rung]) -> str:
+def largest_errors_of_models_sentence(model_solutions: Sequence[RefinementStepResult]) -> str:
     """Return the sentence on the largest errors of three models, on case studies and on screws not used in development.
 
-    ``rungs``: solution of each scene by each model, with its errors against the 3D reference.
+    ``model_solutions``: solution of each scene by each model, with its errors against the 3D reference.
     """
     words = []
     for label, names in (("case studies", REFERENCED), ("screws not used in development", UNSEEN)):
         for model in ("lin", "refined", "condensed"):
-            of_label = [r for r in rungs if r.model == model and r.scene in names]
+            of_label = [r for r in model_solutions if r.model == model and r.scene in names]
             if of_label:
-                worst = max(of_label, key=lambda r: r.error.max_percent)
+                worst = max(of_label, key=lambda r: r.load_error.max_percent)
                 words.append(
-                    f"{label}, {model}: largest {worst.error.max_percent:.2f} % ({worst.scene}), RMS up to "
-                    f"{max(r.error.rms_percent for r in of_label):.2f} %"
+                    f"{label}, {model}: largest {worst.load_error.max_percent:.2f} % ({worst.scene}), RMS up to "
+                    f"{max(r.load_error.rms_percent for r in of_label):.2f} %"
                 )
     return "Errors in per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on the errors of the sequence of models from Lin's rigid-nut model to the refined model.
 
     ``step`` is called with each line of progress.
     """
     step("every model on every scene with a 3D reference")
-    rungs = study.compute_once(ladder)
+    rungs = cache.compute_once(ladder)
     title = "Contact-load errors of a sequence of models, from Lin's rigid-nut model to the refined model"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference is stored.",)),))
@@ -290,21 +301,21 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             "(Saint-Venant). Balls are elastic spheres (Lur'e's series); bearing rings are bodies of revolution "
             "with their groove. The model contains no 3D solution, and nothing is fitted to one."
         ),
-        largest_errors_sentence(rungs),
+        largest_errors_of_models_sentence(rungs),
     )
     step("refined model with the compliance of bodies from 3D")
     items = (
         Text(text),
         model_error_table(rungs),
         model_error_figure(rungs),
-        body_simplification_table(study),
-        choice_effects_table(study, step),
+        error_with_3d_bodies_table(cache),
+        choice_effects_table(cache, step),
     )
     median = {
-        name: float(np.median([r.error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
+        name: float(np.median([r.load_error.max_percent for r in rungs if r.model == name])) for name in ("lin", "refined")
     }
     conclusion = (
         f"Median over the scenes of the largest contact-load error: {median['lin']:.1f} % of the mean load by Lin's model, "
         f"{median['refined']:.1f} % by the refined model."
     )
-    return Section("ladder", title, (*items, *expected_error_test_items(study, rungs)), conclusion=conclusion)
+    return Section("ladder", title, (*items, *expected_and_measured_error_items(cache, rungs)), conclusion=conclusion)

@@ -13,27 +13,27 @@ from rollbench.compare.models.comparison import (
     PRINTED,
     REFERENCED,
     RULE,
-    Loads,
+    ContactSolution,
     contact_load_errors,
     known_exceedances,
     load_ratio,
-    loads_from_result,
-    loads_of_reference_runs,
-    suitable_models,
+    models_shown_for_scene,
+    solution_from_result,
+    solutions_of_reference_runs,
 )
 from rollbench.compare.models.modelling import (
     VARIED,
-    Modelling,
-    combine_effects,
-    effects_of_variants,
-    largest_modelling_uncertainty,
+    ModellingUncertainty,
+    applicable_modelling_uncertainty,
+    combined_modelling_uncertainty,
+    effects_of_changed_choices,
 )
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from rollbench.compare.reference.store import Run, load_run
+from rollbench.compare.reference.store import Run, load_stored_run
 from rollbench.compare.sections.curves import (
     contact_load_curve,
     contact_load_panel,
@@ -42,58 +42,64 @@ from rollbench.compare.sections.curves import (
 )
 from rollbench.compare.sections.reference_time import run_time_items
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 References = Mapping[str, Reference]
 
 
-def case_studies(study: Study) -> dict[str, Reference]:
+def references_of_case_studies(cache: SceneResultCache) -> dict[str, Reference]:
     """Return the stored 3D references of the case studies, by name of the scene."""
-    return study.references(REFERENCED)
+    return cache.stored_references(REFERENCED)
 
 
-def modelling_uncertainty_by_scene(study: Study) -> dict[str, Modelling]:
+def modelling_uncertainty_by_scene(cache: SceneResultCache) -> dict[str, ModellingUncertainty]:
     """Return the modelling uncertainty of the 3D reference, by name of the scenes with varied modelling choices."""
-    return study.compute_once(_compute_modelling_uncertainty)
+    return cache.compute_once(_compute_modelling_uncertainty)
 
 
-def _compute_modelling_uncertainty(study: Study) -> dict[str, Modelling]:
+def _compute_modelling_uncertainty(cache: SceneResultCache) -> dict[str, ModellingUncertainty]:
     """Compute the modelling uncertainty of every scene in `VARIED` from stored runs, by name of the scene.
 
     Scenes without stored runs with varied modelling choices are left out.
     """
-    scenes = [study.scene(name) for name in VARIED]
-    found = {scene.name: combine_effects(scene, effects_of_variants(scene, study.stores)) for scene in scenes}
+    scenes = [cache.built_in_scene(name) for name in VARIED]
+    found = {
+        scene.name: combined_modelling_uncertainty(scene, effects_of_changed_choices(scene, cache.reference_folders))
+        for scene in scenes
+    }
     return {name: m for name, m in found.items() if m is not None}
 
 
-def solve_loads_by_model(study: Study, name: str, model: str) -> Loads:
+def solve_contact_loads(cache: SceneResultCache, name: str, model: str) -> ContactSolution:
     """Solve a scene by a low-order model, and return its contact loads and displacements.
 
     ``name``: name of the scene. ``model``: name of the model.
     """
-    return loads_from_result(study.solve(name, model))
+    return solution_from_result(cache.solve_once(name, model))
 
 
-def load_error_table(study: Study, found: References) -> Table:
+def load_error_table(cache: SceneResultCache, references: References) -> Table:
     """Return the table of contact-load errors against the finest mesh level of the 3D reference, for each scene.
 
-    Its rows are the low-order models, the 3D model on the mesh of Lin's thesis, and coarser mesh levels. ``found``: 3D
+    Its rows are the low-order models, the 3D model on the mesh of Lin's thesis, and coarser mesh levels. ``references``: 3D
     reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    modelled = modelling_uncertainty_by_scene(study)
-    for name, ref in found.items():
-        scene, bars = study.scene(name), (largest_uncertainty_percent(ref), largest_modelling_uncertainty(name, modelled))
+    modelled = modelling_uncertainty_by_scene(cache)
+    for name, ref in references.items():
+        scene, bars = (
+            cache.built_in_scene(name),
+            (largest_uncertainty_percent(ref), applicable_modelling_uncertainty(name, modelled)),
+        )
         keys = PRINTED.get(name)
-        for model in suitable_models(scene):
-            result = study.solve(name, model.name)
+        for model in models_shown_for_scene(scene):
+            result = cache.solve_once(name, model.name)
             e = load_error(result.load, ref.load, ref.contacts)
             shown = keys[:2] if keys and model.name == "lin" else ()
-            printed = " / ".join(printed_entry("lin-2.4.1", k).printed for k in shown) or "–"
+            printed = " / ".join(printed_entry("lin-2.4.1", k).number_as_printed for k in shown) or "–"
             rows.append(_load_error_row((name, model.label), e, load_ratio(result.load), printed, bars))
-        source = load_run(scene, SOURCE_LEVEL, stores=study.stores)
-        for coarser in loads_of_reference_runs(ref, source):
+        source = load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders)
+        for coarser in solutions_of_reference_runs(ref, source):
             if coarser.model != f"3D level {ref.best.level}":
                 e = load_error(coarser.load, ref.load, ref.contacts)
                 rows.append(_load_error_row((name, LABELS[coarser.model]), e, load_ratio(coarser.load), "–", bars))
@@ -105,7 +111,7 @@ def load_error_table(study: Study, found: References) -> Table:
         "dimensions that are not printed (section reference-mesh). No error is reduced by an uncertainty; section u-val "
         "combines both uncertainties with the input tolerances."
     )
-    return Table.of(
+    return Table.from_rows(
         "reference-errors", "Contact-load errors of the low-order models against the 3D reference on each scene", rows, note
     )
 
@@ -118,59 +124,64 @@ LABELS = {
 
 
 def _load_error_row(
-    named: tuple[str, str],
-    load_error: LoadError | None,
-    ratio: float,
-    printed: str | None,
-    bars: tuple[float | None, float | None],
+    scene_and_model: tuple[str, str],
+    model_errors: LoadError | None,
+    load_ratio_of_flank: float,
+    printed_errors: str | None,
+    uncertainties: tuple[float | None, float | None],
 ) -> Row:
     """Return one row of `load_error_table`: contact-load errors of one model or mesh on one scene.
 
     Parameters
     ----------
-    named
+    scene_and_model
         Name of the scene, and label of the model or mesh.
-    load_error
+    model_errors
         Errors of the contact loads; None for the finest mesh level itself.
-    ratio
+    load_ratio_of_flank
         Ratio of the largest to the smallest load on flank SL.
-    printed
+    printed_errors
         Errors that Lin's thesis prints for its model, as text.
-    bars
+    uncertainties
         Grid uncertainty and modelling uncertainty of the 3D reference [% of the mean load].
     """
     errors: Sequence[float | None] = (None,) * 4
-    if load_error is not None:
-        errors = load_error.max_percent, load_error.rms_percent, load_error.own_max_percent, load_error.own_rms_percent
+    if model_errors is not None:
+        errors = (
+            model_errors.max_percent,
+            model_errors.rms_percent,
+            model_errors.own_max_percent,
+            model_errors.own_rms_percent,
+        )
     return {
-        "scene": named[0],
-        "model": named[1],
-        Quantity("max", "largest error", "% of mean", ".2f"): errors[0],
-        Quantity("at", "ball and flank of the largest", "", "s"): None
-        if load_error is None
-        else f"{load_error.ball} {load_error.side}",
-        Quantity("rms", "RMS error", "% of mean", ".2f"): errors[1],
-        Quantity("own_max", "largest error", "% of own load", ".2f"): errors[2],
-        Quantity("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
-        Quantity("printed", "printed, largest / RMS", "%", "s"): printed,
-        Quantity("bar", "grid uncertainty", "% of mean", ".2f"): bars[0],
-        Quantity("modelling", "modelling uncertainty", "% of mean", ".2f"): bars[1],
-        Quantity("load_ratio", "ratio of largest to smallest load, SL", "", ".3f"): ratio,
+        "scene": scene_and_model[0],
+        "model": scene_and_model[1],
+        TableColumn("max", "largest error", "% of mean", ".2f"): errors[0],
+        TableColumn("at", "ball and flank of the largest", "", "s"): None
+        if model_errors is None
+        else f"{model_errors.ball} {model_errors.side}",
+        TableColumn("rms", "RMS error", "% of mean", ".2f"): errors[1],
+        TableColumn("own_max", "largest error", "% of own load", ".2f"): errors[2],
+        TableColumn("own_rms", "RMS error", "% of own load", ".2f"): errors[3],
+        TableColumn("printed", "printed, largest / RMS", "%", "s"): printed_errors,
+        TableColumn("bar", "grid uncertainty", "% of mean", ".2f"): uncertainties[0],
+        TableColumn("modelling", "modelling uncertainty", "% of mean", ".2f"): uncertainties[1],
+        TableColumn("load_ratio", "ratio of largest to smallest load, SL", "", ".3f"): load_ratio_of_flank,
     }
 
 
-def contact_load_tables(study: Study, found: References) -> list[Table]:
+def contact_load_tables(cache: SceneResultCache, references: References) -> list[Table]:
     """Return, for each scene, a table with the load and contact angle of every contact by every model and mesh.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     out = []
-    for name, ref in found.items():
-        scene = study.scene(name)
-        answers = [solve_loads_by_model(study, name, m.name) for m in suitable_models(scene)]
-        answers += loads_of_reference_runs(ref, load_run(scene, SOURCE_LEVEL, stores=study.stores))
+    for name, ref in references.items():
+        scene = cache.built_in_scene(name)
+        answers = [solve_contact_loads(cache, name, m.name) for m in models_shown_for_scene(scene)]
+        answers += solutions_of_reference_runs(ref, load_stored_run(scene, SOURCE_LEVEL, stores=cache.reference_folders))
         headings = [MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model) for a in answers]
-        loads = [Quantity(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
+        loads = [TableColumn(f"m{k}", head, "N", ".1f") for k, head in enumerate(headings)]
         rows: list[Row] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
@@ -183,57 +194,65 @@ def contact_load_tables(study: Study, found: References) -> list[Table]:
                     "ball": i + 1,
                     "side": SIDES[s],
                     **{q: float(a.load[i, s]) for q, a in zip(loads, answers, strict=True)},
-                    Quantity("bar", "uncertainty of the 3D reference", "N", ".2f"): bar,
-                    Quantity("error", "error of the refined model", "% of own load", "+.2f"): error,
-                    Quantity("angle", "contact angle, 3D reference", "deg", ".2f"): _number_or_none(ref.best.angle[i, s]),
-                    Quantity("low_angle", "contact angle, refined model", "deg", ".2f"): _number_or_none(low.angle[i, s]),
+                    TableColumn("bar", "uncertainty of the 3D reference", "N", ".2f"): bar,
+                    TableColumn("error", "error of the refined model", "% of own load", "+.2f"): error,
+                    TableColumn("angle", "contact angle, 3D reference", "deg", ".2f"): _finite_number_or_none(
+                        ref.best.angle[i, s]
+                    ),
+                    TableColumn("low_angle", "contact angle, refined model", "deg", ".2f"): _finite_number_or_none(
+                        low.angle[i, s]
+                    ),
                 }
             )
         out.append(
-            Table.of(f"reference-loads-{name}", f"Loads and contact angles of all contacts of {name} by every model", rows)
+            Table.from_rows(
+                f"reference-loads-{name}", f"Loads and contact angles of all contacts of {name} by every model", rows
+            )
         )
     return out
 
 
-def _number_or_none(value: Any) -> float | None:
+def _finite_number_or_none(value: Any) -> float | None:
     """Return a value as a plain number; None if it is not finite."""
     return float(value) if np.isfinite(value) else None
 
 
-def centreline_displacement_table(study: Study, found: References) -> Table:
+def centreline_displacement_table(cache: SceneResultCache, references: References) -> Table:
     """Return the table of displacements of the screw's centreline along its length, by refined model and 3D reference.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    for name, ref in found.items():
-        low = solve_loads_by_model(study, name, "refined")
+    for name, ref in references.items():
+        low = solve_contact_loads(cache, name, "refined")
         line = ref.best.centreline
         for row in line:
-            cells: Row = {"scene": name, Quantity("z", "axial position", "mm", ".1f"): 1e3 * float(row[0])}
+            cells: Row = {"scene": name, TableColumn("z", "axial position", "mm", ".1f"): 1e3 * float(row[0])}
             for k, axis in enumerate("xyz"):
                 beam = float(np.interp(row[0], low.stations, low.line[:, k]))
-                cells[Quantity(f"r{axis}", f"u{axis}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
-                cells[Quantity(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
+                cells[TableColumn(f"r{axis}", f"u{axis}, 3D reference", "µm", ".2f")] = 1e6 * float(row[1 + k])
+                cells[TableColumn(f"l{axis}", f"u{axis}, refined model", "µm", ".2f")] = 1e6 * beam
             rows.append(cells)
     note = (
         "3D reference: mean displacement of the surface of the axial hole where the screw is meshed, near the nut; "
         "displacement of the beam nodes elsewhere."
     )
     title = "Displacement of the screw's centreline by the refined model and by the 3D reference"
-    return Table.of("reference-centreline", title, rows, note)
+    return Table.from_rows("reference-centreline", title, rows, note)
 
 
-def contact_load_figures(study: Study, found: References) -> list[Figure]:
+def contact_load_figures(cache: SceneResultCache, references: References) -> list[Figure]:
     """Draw the contact loads of all balls by all models, with the uncertainty of the 3D reference as a band.
 
-    ``found``: 3D reference of each scene, by name of the scene. Each scene has a figure, with a panel for each flank.
+    ``references``: 3D reference of each scene, by name of the scene. Each scene has a figure, with a panel for each flank.
     """
     out = []
-    for name, ref in found.items():
-        scene = study.scene(name)
+    for name, ref in references.items():
+        scene = cache.built_in_scene(name)
         answers = {
-            m: solve_loads_by_model(study, name, m.name) for m in suitable_models(scene) if m.name != "lin-source-partition"
+            m: solve_contact_loads(cache, name, m.name)
+            for m in models_shown_for_scene(scene)
+            if m.name != "lin-source-partition"
         }
         panels = []
         for s in range(4):
@@ -258,14 +277,14 @@ def contact_load_figures(study: Study, found: References) -> list[Figure]:
     return out
 
 
-def centreline_displacement_figure(study: Study, found: References) -> Figure:
+def centreline_displacement_figure(cache: SceneResultCache, references: References) -> Figure:
     """Draw the lateral displacement of the screw's centreline over its length, by refined model and 3D reference.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     panels = []
-    for name, ref in found.items():
-        low = solve_loads_by_model(study, name, "refined")
+    for name, ref in references.items():
+        low = solve_contact_loads(cache, name, "refined")
         line = ref.best.centreline
         model = lateral_displacement_curves(low.stations, low.line, "u{}, refined model")
         solid = lateral_displacement_curves(line[:, 0], line[:, 1:], "u{}, 3D reference", "markers", emphasis=True)
@@ -278,15 +297,15 @@ def centreline_displacement_figure(study: Study, found: References) -> Figure:
     )
 
 
-def lin_model_gate_paragraph(found: References, study: Study) -> str:
+def lin_model_gate_paragraph(references: References, cache: SceneResultCache) -> str:
     """Return the paragraph on the load errors of Lin's model as ``rollbench check`` (the gate) judges them.
 
-    It states, for each scene, the largest error and the number of contacts beyond the limit. ``found``: 3D reference of
-    each scene, by name of the scene.
+    It states, for each scene, the largest error and the number of contacts beyond the limit. ``references``: 3D reference
+    of each scene, by name of the scene.
     """
     worst = []
-    for name, ref in found.items():
-        points = contact_load_errors(name, ref, LIMIT, study.solve(name, "lin").load)
+    for name, ref in references.items():
+        points = contact_load_errors(name, ref, LIMIT, cache.solve_once(name, "lin").load)
         top = max(points, key=lambda p: abs(p.error_percent))
         over = [p for p in points if p.exceeds]
         worst.append(
@@ -300,56 +319,56 @@ def lin_model_gate_paragraph(found: References, study: Study) -> str:
     )
 
 
-def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
+def error_against_rigid_nut_reference(cache: SceneResultCache, name: str, ball: int, side: str) -> float | None:
     """Return the load error of Lin's model on one contact against a 3D model with a rigid nut [% of the contact's load].
 
     ``name``: name of the scene. ``ball``: number of the ball, from 1. ``side``: flank (SL, SR, NL or NR). Lin's model has a
     rigid nut, so this error excludes the effect of nut elasticity. Returns None if no such 3D run is stored, or if the
     contact is unloaded in it.
     """
-    run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
+    run = load_stored_run(cache.built_in_scene(name), min(LEVELS), stores=cache.reference_folders)
     if run is None or "elastic nut" not in run.without:
         return None
     truth = float(run.without["elastic nut"][ball - 1, SIDES.index(side)])
-    low = float(study.solve(name, "lin").load[ball - 1, SIDES.index(side)])
+    low = float(cache.solve_once(name, "lin").load[ball - 1, SIDES.index(side)])
     return float(error_percent(low, truth)) if truth > 0.0 else None
 
 
-def exceedance_table(found: References, study: Study) -> Table:
+def gate_exceedance_table(references: References, cache: SceneResultCache) -> Table:
     """Return the table of contacts on which the load error of Lin's model exceeds the limit of ``rollbench check``.
 
-    Each row has the known cause of the error. ``found``: 3D reference of each scene, by name of the scene.
+    Each row has the known cause of the error. ``references``: 3D reference of each scene, by name of the scene.
     """
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[Row] = []
-    for name, ref in found.items():
-        for p in contact_load_errors(name, ref, LIMIT, study.solve(name, "lin").load):
+    for name, ref in references.items():
+        for p in contact_load_errors(name, ref, LIMIT, cache.solve_once(name, "lin").load):
             if p.exceeds:
-                k, rigid = SIDES.index(p.side), rigid_nut_error(study, name, p.ball, p.side)
+                k, rigid = SIDES.index(p.side), error_against_rigid_nut_reference(cache, name, p.ball, p.side)
                 rows.append(
                     {
                         "scene": name,
                         "ball": p.ball,
                         "side": p.side,
-                        Quantity("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
-                        Quantity("error", "error of Lin's model", "% of own load", "+.1f"): p.error_percent,
-                        Quantity("bar", "grid uncertainty", "% of own load", ".2f"): p.uncertainty_percent,
-                        Quantity("rigid", "error if the nut is rigid in both", "% of own load", "+.1f"): rigid,
+                        TableColumn("ref", "load by the 3D reference", "N", ".1f"): float(ref.load[p.ball - 1, k]),
+                        TableColumn("error", "error of Lin's model", "% of own load", "+.1f"): p.error_percent,
+                        TableColumn("bar", "grid uncertainty", "% of own load", ".2f"): p.uncertainty_percent,
+                        TableColumn("rigid", "error if the nut is rigid in both", "% of own load", "+.1f"): rigid,
                         "cause": causes.get((name, p.ball, p.side), "not listed as known: the gate fails"),
                     }
                 )
     note = f"The gate's rule: {RULE}."
     title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
-    return Table.of("reference-exceedances", title, rows, note)
+    return Table.from_rows("reference-exceedances", title, rows, note)
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that compares the low-order models with the 3D reference on the case studies.
 
     ``step`` is called with each line of progress.
     """
     step("low-order models against the 3D reference")
-    found = case_studies(study)
+    found = references_of_case_studies(cache)
     title = "Contact loads by the low-order models and by the 3D reference"
     if not found:
         return Section("reference", title, (Text(("No run of the 3D reference is stored.",)),))
@@ -366,9 +385,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         "The grid uncertainty follows from the convergence of the mesh levels, fitted by least squares (Eca and Hoekstra "
         "2014) with one order for all contacts of a scene, and from the scatter of each contact about this fit; with two "
         "levels, it is three times their difference. Flanks are " + ", ".join(SIDES) + " (screw and nut, left and right).",
-        lin_model_gate_paragraph(found, study),
+        lin_model_gate_paragraph(found, cache),
     ]
-    if study.quick:
+    if cache.quick:
         text.insert(
             0,
             "QUICK REPORT: only coarse meshes were computed, so the grid uncertainty is unknown. Do not base decisions on "
@@ -376,14 +395,14 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to mesh level {PRODUCTION}; their uncertainty is larger.")
-    over = exceedance_table(found, study)
-    items: list[Any] = [Text(tuple(text)), load_error_table(study, found)]
+    over = gate_exceedance_table(found, cache)
+    items: list[Any] = [Text(tuple(text)), load_error_table(cache, found)]
     items += [over] if over.rows else []
     items += [
-        *contact_load_figures(study, found),
-        *contact_load_tables(study, found),
-        centreline_displacement_figure(study, found),
-        centreline_displacement_table(study, found),
+        *contact_load_figures(cache, found),
+        *contact_load_tables(cache, found),
+        centreline_displacement_figure(cache, found),
+        centreline_displacement_table(cache, found),
     ]
-    items += run_time_items(study, step)
+    items += run_time_items(cache, step)
     return Section("reference", title, tuple(items))

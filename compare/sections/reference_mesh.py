@@ -9,48 +9,58 @@ import numpy as np
 
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import REFERENCED
-from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, effects_of_variants
-from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import SHARED, largest_face_error
+from rollbench.compare.models.modelling import REFINED, UNSEEN, VARIED, effects_of_changed_choices
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.models.uncertainty import SHARED, largest_uncertainty_near_face
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent
 from rollbench.compare.reference.levels import LEVELS, NOT_VARIED, SOURCE_LEVEL, SOURCE_MESH, VARIANTS
-from rollbench.compare.reference.store import Measured, Run, load_run, most_frequent_conditions
+from rollbench.compare.reference.store import MeasuringConditions, Run, load_stored_run, most_frequent_measuring_conditions
 from rollbench.compare.sections.curves import mesh_convergence_figure
-from rollbench.compare.sections.reference import case_studies, modelling_uncertainty_by_scene
-from rollbench.compare.sections.u_val import MANY, UncertaintyTest, share_of_covered_contacts, test_all_mesh_levels
-from rollbench.compare.studies.mesh_study import accuracy_sentence, mesh_study_table_of_scene, reference_from_stored_runs
+from rollbench.compare.sections.reference import modelling_uncertainty_by_scene, references_of_case_studies
+from rollbench.compare.sections.u_val import (
+    MANY,
+    MeshUncertaintyTest,
+    check_uncertainty_of_all_mesh_levels,
+    share_of_contacts_within_uncertainty,
+)
+from rollbench.compare.studies.mesh_study import (
+    mesh_accuracy_sentence,
+    mesh_study_table_of_scene,
+    reference_from_stored_runs,
+)
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.reports.content import Cell, Figure, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Cell, Figure, Row, Section, Table, TableColumn, Text
 
 References = Mapping[str, Reference]
 
 
-def _load_change_cells(error: LoadError, form: str = ".2f") -> Row:
+def _load_change_cells(load_changes: LoadError, number_format: str = ".2f") -> Row:
     """Return the table cells on the load changes that a changed choice of the 3D reference causes: largest, RMS, and ball.
 
-    ``error``: the load changes, as errors of the changed run. ``form``: number format of the first two cells.
+    ``load_changes``: the load changes, as errors of the changed run. ``number_format``: number format of the first two
+    cells.
     """
     return {
-        Quantity("max", "largest change of a load", "% of mean", form): error.max_percent,
-        Quantity("rms", "RMS change of the loads", "% of mean", form): error.rms_percent,
-        Quantity("at", "ball and flank of the largest", "", "s"): f"{error.ball} {error.side}",
+        TableColumn("max", "largest change of a load", "% of mean", number_format): load_changes.max_percent,
+        TableColumn("rms", "RMS change of the loads", "% of mean", number_format): load_changes.rms_percent,
+        TableColumn("at", "ball and flank of the largest", "", "s"): f"{load_changes.ball} {load_changes.side}",
     }
 
 
-def _refines_one_choice(variant: str) -> bool:
+def _refines_one_mesh_setting(variant_name: str) -> bool:
     """Return whether a variant of the 3D reference, given by its name, refines one numerical setting of the mesh."""
-    return variant in VARIANTS and bool(VARIANTS[variant].refined)
+    return variant_name in VARIANTS and bool(VARIANTS[variant_name].refined)
 
 
-def mesh_level_table(study: Study, found: References) -> Table:
+def mesh_level_table(cache: SceneResultCache, references: References) -> Table:
     """Return the table of the mesh levels of every scene: unknowns, run times, load changes to finer levels, mesh quality.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    common = most_frequent_conditions(run.measured for ref in found.values() for run in ref.runs)
-    for name, ref in found.items():
-        source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+    common = most_frequent_measuring_conditions(run.measured for ref in references.values() for run in ref.runs)
+    for name, ref in references.items():
+        source = load_stored_run(cache.built_in_scene(name), SOURCE_LEVEL, stores=cache.reference_folders)
         runs = ([source] if source else []) + list(ref.runs)
         for number, run in enumerate(runs):
             frozen = load_error(run.frozen, run.load, ref.contacts)
@@ -65,23 +75,25 @@ def mesh_level_table(study: Study, found: References) -> Table:
                 {
                     "scene": name,
                     "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
-                    Quantity("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
-                    Quantity("sides", "number of flanks meshed", "", "s"): len(run.sides),
-                    Quantity("unknowns", "unknowns of the equivalent single mesh", "", "s"): run.unknowns,
-                    Quantity("setup", "time of the set-up", "s", ".1f"): times[0],
-                    Quantity("solve", "time of a load case", "s", ".1f"): times[1],
-                    Quantity("memory", "peak memory", "MB", ".0f"): "not measured" if run.peak_MB is None else run.peak_MB,
-                    Quantity("change", "largest change of a load to the next level", "% of mean", ".2f"): largest,
-                    Quantity("rms", "RMS change to the next level", "% of mean", ".2f"): rms,
-                    Quantity("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
-                    Quantity("best", "largest change to the finest level", "% of mean", ".2f"): best.max_percent,
-                    Quantity("frozen", "effect of updating contact normals", "% of mean", ".2f"): frozen.max_percent,
-                    Quantity("balance", "unbalanced force of balls or screw", "", "g2"): max(
+                    TableColumn("across", "elements across 2b", "", ".1f"): run.quality["elements across 2b"],
+                    TableColumn("sides", "number of flanks meshed", "", "s"): len(run.sides),
+                    TableColumn("unknowns", "unknowns of the equivalent single mesh", "", "s"): run.unknowns,
+                    TableColumn("setup", "time of the set-up", "s", ".1f"): times[0],
+                    TableColumn("solve", "time of a load case", "s", ".1f"): times[1],
+                    TableColumn("memory", "peak memory", "MB", ".0f"): "not measured"
+                    if run.peak_MB is None
+                    else run.peak_MB,
+                    TableColumn("change", "largest change of a load to the next level", "% of mean", ".2f"): largest,
+                    TableColumn("rms", "RMS change to the next level", "% of mean", ".2f"): rms,
+                    TableColumn("sum", "change of the sum of loads to the next level", "%", "+.2f"): change,
+                    TableColumn("best", "largest change to the finest level", "% of mean", ".2f"): best.max_percent,
+                    TableColumn("frozen", "effect of updating contact normals", "% of mean", ".2f"): frozen.max_percent,
+                    TableColumn("balance", "unbalanced force of balls or screw", "", "g2"): max(
                         run.balance, run.screw_balance
                     ),
-                    Quantity("along", "force along the groove", "", "g2"): run.along_groove,
-                    Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
-                    Quantity("deviation", "deviation of coarse meshes from the groove", "um", "g2"): 1e6
+                    TableColumn("along", "force along the groove", "", "g2"): run.along_groove,
+                    TableColumn("jacobian", "smallest scaled Jacobian", "", ".2f"): jacobian,
+                    TableColumn("deviation", "deviation of coarse meshes from the groove", "um", "g2"): 1e6
                     * run.quality["deviation"],
                 }
             )
@@ -90,7 +102,7 @@ def mesh_level_table(study: Study, found: References) -> Table:
         "geometry. Forces are relative to the largest contact load. Set-up time and peak memory of scenes with the same "
         f"geometry are those of one common set-up. {_measured_times_sentence(common)}"
     )
-    return Table.of(
+    return Table.from_rows(
         "reference-levels",
         "Changes of contact loads, unknowns and run times on each mesh level of the 3D reference",
         rows,
@@ -98,27 +110,29 @@ def mesh_level_table(study: Study, found: References) -> Table:
     )
 
 
-def mesh_uncertainty_table(found: References) -> Table:
+def mesh_uncertainty_table(references: References) -> Table:
     """Return the table of the mesh uncertainty of the 3D contact loads of every scene, with its contributions.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     rows: list[Row] = []
-    for name, ref in found.items():
+    for name, ref in references.items():
         p = ref.parts
         rows.append(
             {
                 "scene": name,
                 "levels": len(ref.runs),
-                Quantity("contact", "cells of the contacts", "% of mean", ".3f"): p.contact,
-                Quantity("bodies", "cells of the bodies", "% of mean", ".3f"): p.bodies,
-                Quantity("sockets", "cut-outs for the fine patches", "% of mean", ".3f"): p.sockets,
-                Quantity("common", "common to all contacts", "% of mean", ".3f"): p.common,
-                Quantity("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.bar,
-                Quantity("beside", "largest next to a free nut face", "% of mean", ".3f"): largest_face_error(ref)[0],
-                Quantity("largest", "largest uncertainty", "% of mean", ".3f"): largest_uncertainty_percent(ref),
-                Quantity("from", "estimated from", "", "s"): "other scenes"
-                if p.by_experience
+                TableColumn("contact", "cells of the contacts", "% of mean", ".3f"): p.contact_cell_deviation,
+                TableColumn("bodies", "cells of the bodies", "% of mean", ".3f"): p.body_cell_deviation,
+                TableColumn("sockets", "cut-outs for the fine patches", "% of mean", ".3f"): p.socket_mesh_deviation,
+                TableColumn("common", "common to all contacts", "% of mean", ".3f"): p.common_deviation,
+                TableColumn("bar", "uncertainty (95 %), RMS", "% of mean", ".3f"): p.uncertainty,
+                TableColumn("beside", "largest next to a free nut face", "% of mean", ".3f"): largest_uncertainty_near_face(
+                    ref
+                )[0],
+                TableColumn("largest", "largest uncertainty", "% of mean", ".3f"): largest_uncertainty_percent(ref),
+                TableColumn("from", "estimated from", "", "s"): "other scenes"
+                if p.is_from_other_scenes
                 else "its levels and other scenes",
             }
         )
@@ -136,37 +150,39 @@ def mesh_uncertainty_table(found: References) -> Table:
         "exceeds all other contributions; it was measured on nuts alone with increasingly fine meshes."
     )
     title = "Mesh uncertainty of the contact loads of the 3D reference, by contribution"
-    return Table.of("reference-convergence", title, rows, note)
+    return Table.from_rows("reference-convergence", title, rows, note)
 
 
-def uncertainty_coverage_table(study: Study) -> Table | None:
+def mesh_uncertainty_test_table(cache: SceneResultCache) -> Table | None:
     """Return the table that tests the mesh uncertainty of each mesh level by the contact loads on a finer level.
 
     Returns None if runs of the 3D reference are missing.
     """
-    found = test_all_mesh_levels(study)
+    found = check_uncertainty_of_all_mesh_levels(cache)
     if not found:
         return None
-    levels = sorted({h.level for h in found})
+    levels = sorted({h.tested_level for h in found})
     groups = {name: [h for h in found if h.scene == name] for name in dict.fromkeys(h.scene for h in found)}
-    several = [h for h in found if h.level > min(LEVELS)]
-    rows: list[dict[str, Cell]] = [_uncertainty_coverage_row(name, group) for name, group in groups.items()]
-    rows.append(_uncertainty_coverage_row("all shipped scenes", [h for h in found if not h.drawn]))
-    if any(h.drawn for h in found):
-        rows.append(_uncertainty_coverage_row("all drawn screws", [h for h in found if h.drawn]))
-    rows.append(_uncertainty_coverage_row("all", found))
-    columns = [Quantity("scene", "scene", "", "s"), Quantity("contacts", "contacts", "", "s")]
-    columns.append(Quantity("judge", "finer level for the test", "", "s"))
+    several = [h for h in found if h.tested_level > min(LEVELS)]
+    rows: list[dict[str, Cell]] = [_mesh_uncertainty_test_row(name, group) for name, group in groups.items()]
+    rows.append(_mesh_uncertainty_test_row("all shipped scenes", [h for h in found if not h.is_random_screw]))
+    if any(h.is_random_screw for h in found):
+        rows.append(_mesh_uncertainty_test_row("all drawn screws", [h for h in found if h.is_random_screw]))
+    rows.append(_mesh_uncertainty_test_row("all", found))
+    columns = [TableColumn("scene", "scene", "", "s"), TableColumn("contacts", "contacts", "", "s")]
+    columns.append(TableColumn("judge", "finer level for the test", "", "s"))
     for k in levels:
         words = f"level {k} alone and other scenes" if k == min(LEVELS) else f"levels up to {k}"
-        columns.append(Quantity(f"bar {k}", f"uncertainty from {words}", "% of mean", ".3f"))
-        columns.append(Quantity(f"held {k}", f"loads within the uncertainty of level {k}", "%", ".1f"))
-    worst = min((h for h in several if h.contacts >= MANY), key=lambda h: h.share)
+        columns.append(TableColumn(f"bar {k}", f"uncertainty from {words}", "% of mean", ".3f"))
+        columns.append(TableColumn(f"held {k}", f"loads within the uncertainty of level {k}", "%", ".1f"))
+    worst = min((h for h in several if h.contact_count >= MANY), key=lambda h: h.covered_share)
     note = (
-        f"Of {sum(h.contacts for h in several)} loads with an uncertainty from two mesh levels or more, "
-        f"{100.0 * share_of_covered_contacts(several):.1f} % change by less than it on the finer level; in the worst "
+        f"Of {sum(h.contact_count for h in several)} loads with an uncertainty from two mesh levels or more, "
+        f"{100.0 * share_of_contacts_within_uncertainty(several):.1f} % change by less than it on the finer level; in the "
+        "worst "
         f"scene with {MANY} "
-        f"contacts or more, {100.0 * worst.share:.1f} % ({worst.scene}, levels up to {worst.level}). The aim is 95 %. "
+        f"contacts or more, {100.0 * worst.covered_share:.1f} % ({worst.scene}, levels up to {worst.tested_level}). The "
+        "aim is 95 %. "
         "Neither the finer level nor data of scenes with the same parts are used to estimate the uncertainty that is "
         "tested. Rows for several scenes show medians. Errors common to all meshes cannot be detected by this test."
     )
@@ -179,29 +195,32 @@ def uncertainty_coverage_table(study: Study) -> Table | None:
     )
 
 
-def _uncertainty_coverage_row(name: str, group: Sequence[UncertaintyTest]) -> dict[str, Cell]:
-    """Return the row of `uncertainty_coverage_table` for one scene, or for several scenes by medians over them.
+def _mesh_uncertainty_test_row(first_cell: str, tests: Sequence[MeshUncertaintyTest]) -> dict[str, Cell]:
+    """Return the row of `mesh_uncertainty_test_table` for one scene, or for several scenes by medians over them.
 
-    ``name``: text in the first cell. ``group``: tests of the mesh uncertainties of these scenes, on all mesh levels.
+    ``first_cell``: text in the first cell. ``tests``: tests of the mesh uncertainties of these scenes, on all mesh levels.
     """
-    row: dict[str, Cell] = {"scene": name, "contacts": sum(h.contacts for h in group if h.level == min(LEVELS))}
-    row["judge"] = ", ".join(map(str, sorted({h.judge for h in group})))
-    for k in sorted({h.level for h in group}):
-        of_level = [h for h in group if h.level == k]
+    row: dict[str, Cell] = {
+        "scene": first_cell,
+        "contacts": sum(h.contact_count for h in tests if h.tested_level == min(LEVELS)),
+    }
+    row["judge"] = ", ".join(map(str, sorted({h.finer_level for h in tests})))
+    for k in sorted({h.tested_level for h in tests}):
+        of_level = [h for h in tests if h.tested_level == k]
         row |= {
-            f"bar {k}": float(np.median([h.bar for h in of_level])),
-            f"held {k}": 100.0 * share_of_covered_contacts(of_level),
+            f"bar {k}": float(np.median([h.uncertainty_percent for h in of_level])),
+            f"held {k}": 100.0 * share_of_contacts_within_uncertainty(of_level),
         }
     return row
 
 
-def common_error_paragraph(study: Study) -> str:
+def common_error_paragraph(cache: SceneResultCache) -> str:
     """Return the paragraph on the error that all contact loads share and that the stated uncertainty does not include."""
     low, high = SHARED
     moves = [
         f"{e.choice} {float(e.change[e.change != 0.0].mean()):+.3f} %"
-        for e in effects_of_variants(study.scene(REFINED), study.stores)
-        if _refines_one_choice(e.variant)
+        for e in effects_of_changed_choices(cache.built_in_scene(REFINED), cache.reference_folders)
+        if _refines_one_mesh_setting(e.variant)
     ]
     changes = ", ".join(moves)
     finer = f" On {REFINED}, refining one numerical choice at a time changes the mean load by: {changes}." if moves else ""
@@ -212,66 +231,66 @@ def common_error_paragraph(study: Study) -> str:
     )
 
 
-def _measured_times_sentence(common: Measured | None) -> str:
+def _measured_times_sentence(conditions: MeasuringConditions | None) -> str:
     """Return the sentence on the conditions under which the run times of a table were measured.
 
-    ``common``: program version and machine of most runs; times of other runs are left out of the table.
+    ``conditions``: program version and machine of most runs; times of other runs are left out of the table.
     """
-    return f"Times were measured with {common}; times from other measurements are left out."
+    return f"Times were measured with {conditions}; times from other measurements are left out."
 
 
-def stage_table(found: References) -> Table:
+def stage_time_table(references: References) -> Table:
     """Return the table of the run time of each stage of the 3D reference on its finest mesh level, scene by scene.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     rows: list[dict[str, Cell]] = []
-    common = most_frequent_conditions(ref.best.measured for ref in found.values())
-    for name, ref in found.items():
+    common = most_frequent_measuring_conditions(ref.best.measured for ref in references.values())
+    for name, ref in references.items():
         if ref.best.measured != common:
             continue
         cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
         rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
-    columns = [Quantity("scene", "scene", "", "s"), *(Quantity(k, k, "s", ".1f") for k in names)]
-    columns.append(Quantity("contact", "load case", "s", ".1f"))
+    columns = [TableColumn("scene", "scene", "", "s"), *(TableColumn(k, k, "s", ".1f") for k in names)]
+    columns.append(TableColumn("contact", "load case", "s", ".1f"))
     note = f"Scenes with the same geometry share all stages except the load case. {_measured_times_sentence(common)}"
     title = "Run time of each stage of the 3D computation on its finest mesh level"
     return Table("reference-stages", title, columns, rows, note)
 
 
-def mesh_study_items(study: Study, found: References) -> list[Table | Figure]:
+def mesh_study_tables_and_figures(cache: SceneResultCache, references: References) -> list[Table | Figure]:
     """Return, for every scene solved on two mesh levels or more, table and figure of its loads over the mesh levels.
 
-    ``found``: 3D reference of each scene, by name of the scene.
+    ``references``: 3D reference of each scene, by name of the scene.
     """
     out: list[Table | Figure] = []
-    for name in found:
-        ref = reference_from_stored_runs(study.scene(name), study.stores)
+    for name in references:
+        ref = reference_from_stored_runs(cache.built_in_scene(name), cache.reference_folders)
         if ref is None or len(ref.runs) < 2:
             continue
-        table = mesh_study_table_of_scene(study.scene(name), study.stores)
+        table = mesh_study_table_of_scene(cache.built_in_scene(name), cache.reference_folders)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         columns = [
-            Quantity("quantity", "quantity", "", "s"),
-            Quantity("unit", "unit", "", "s"),
-            *(Quantity(f"level {r.level}", f"level {r.level}", "", "g5") for r in ref.runs),
-            Quantity("order", "observed order of convergence", "", ".2f"),
-            Quantity("extrapolated", "extrapolated value", "", "g5"),
-            Quantity("uncertainty", "grid uncertainty", "", "g2"),
-            Quantity("uncertainty_percent", "relative grid uncertainty", "%", ".2f"),
-            Quantity("kind", "kind of convergence", "", "s"),
+            TableColumn("quantity", "quantity", "", "s"),
+            TableColumn("unit", "unit", "", "s"),
+            *(TableColumn(f"level {r.level}", f"level {r.level}", "", "g5") for r in ref.runs),
+            TableColumn("order", "observed order of convergence", "", ".2f"),
+            TableColumn("extrapolated", "extrapolated value", "", "g5"),
+            TableColumn("uncertainty", "grid uncertainty", "", "g2"),
+            TableColumn("uncertainty_percent", "relative grid uncertainty", "%", ".2f"),
+            TableColumn("kind", "kind of convergence", "", "s"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):
-            columns.append(Quantity("modelling_spread", "modelling uncertainty", "", "g2"))
-            columns.append(Quantity("scene_choices", "largest effect of choices of the scene", "", "g2"))
+            columns.append(TableColumn("modelling_spread", "modelling uncertainty", "", "g2"))
+            columns.append(TableColumn("scene_choices", "largest effect of choices of the scene", "", "g2"))
         out.append(
             Table(
                 f"mesh-study-{name}",
                 f"Contact loads and displacements of {name} on each mesh level",
                 columns,
                 rows,
-                accuracy_sentence(ref),
+                mesh_accuracy_sentence(ref),
             )
         )
         figure = mesh_convergence_figure(name, table, ref)
@@ -284,7 +303,7 @@ def mesh_study_items(study: Study, found: References) -> list[Table | Figure]:
 KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "of the scene"}
 
 
-def modelling_choice_table(study: Study) -> Table | None:
+def modelling_choice_table(cache: SceneResultCache) -> Table | None:
     """Return the table of the changes of contact loads when one modelling choice of the 3D reference is changed.
 
     It also has the error of Lin's model against the 3D reference with each changed choice. Returns None if no run with a
@@ -292,12 +311,12 @@ def modelling_choice_table(study: Study) -> Table | None:
     """
     rows: list[Row] = []
     for name in VARIED:
-        scene = study.scene(name)
-        low = study.solve(name, "lin")
-        for e in effects_of_variants(scene, study.stores):
-            if _refines_one_choice(e.variant):
+        scene = cache.built_in_scene(name)
+        low = cache.solve_once(name, "lin")
+        for e in effects_of_changed_choices(scene, cache.reference_folders):
+            if _refines_one_mesh_setting(e.variant):
                 continue
-            run = load_run(scene, min(LEVELS), e.variant, study.stores)
+            run = load_stored_run(scene, min(LEVELS), e.variant, cache.reference_folders)
             model = None if run is None else load_error(low.load, run.load)
             largest, rms = (None, None) if model is None else (model.max_percent, model.rms_percent)
             ratio = e.ratio if np.isfinite(e.ratio) else None
@@ -305,12 +324,12 @@ def modelling_choice_table(study: Study) -> Table | None:
                 {
                     "scene": name,
                     "choice": e.choice,
-                    Quantity("variant", "variant", "", "s"): e.label,
+                    TableColumn("variant", "variant", "", "s"): e.label,
                     "kind": KINDS[e.kind],
                     **_load_change_cells(e.error),
-                    Quantity("ratio", "change of largest over smallest load, SL", "%", "+.2f"): ratio,
-                    Quantity("model", "largest error of Lin's model against the variant", "% of mean", ".2f"): largest,
-                    Quantity("model_rms", "RMS error of Lin's model against the variant", "% of mean", ".2f"): rms,
+                    TableColumn("ratio", "change of largest over smallest load, SL", "%", "+.2f"): ratio,
+                    TableColumn("model", "largest error of Lin's model against the variant", "% of mean", ".2f"): largest,
+                    TableColumn("model_rms", "RMS error of Lin's model against the variant", "% of mean", ".2f"): rms,
                 }
             )
     note = (
@@ -320,20 +339,20 @@ def modelling_choice_table(study: Study) -> Table | None:
         "neglect is estimated here; the refined model includes it."
     )
     title = "Change of the 3D reference's contact loads (mesh level 1) by one modelling choice or unprinted dimension"
-    return Table.of("reference-spread", title, rows, note) if rows else None
+    return Table.from_rows("reference-spread", title, rows, note) if rows else None
 
 
-def numerical_choice_table(study: Study) -> Table | None:
+def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
     """Return the table of load changes when one numerical setting of the finest mesh level is refined at a time.
 
     The changes are compared with the mesh uncertainty of the loads. Returns None if no such run is stored.
     """
-    scene, found, rows = study.scene(REFINED), study.reference(REFINED), list[Row]()
+    scene, found, rows = cache.built_in_scene(REFINED), cache.stored_reference(REFINED), list[Row]()
     if found is None:
         return None
     grid = np.abs(error_percent(found.uncertainty, 0.0, found.mean))
-    for e in effects_of_variants(scene, study.stores):
-        if not _refines_one_choice(e.variant):
+    for e in effects_of_changed_choices(scene, cache.reference_folders):
+        if not _refines_one_mesh_setting(e.variant):
             continue
         at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
         beyond = int((np.abs(e.change) > grid + 1e-9).sum())
@@ -341,11 +360,11 @@ def numerical_choice_table(study: Study) -> Table | None:
             {
                 "scene": REFINED,
                 "choice": e.choice,
-                Quantity("variant", "refinement", "", "s"): e.label,
+                TableColumn("variant", "refinement", "", "s"): e.label,
                 **_load_change_cells(e.error, ".3f"),
-                Quantity("grid", "grid uncertainty of the load that changes most", "% of mean", ".3f"): float(grid[at]),
-                Quantity("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
-                Quantity("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
+                TableColumn("grid", "grid uncertainty of the load that changes most", "% of mean", ".3f"): float(grid[at]),
+                TableColumn("largest", "largest grid uncertainty", "% of mean", ".3f"): float(grid.max()),
+                TableColumn("beyond", "contacts that change by more than their uncertainty", "", "s"): beyond,
             }
         )
     note = (
@@ -353,15 +372,15 @@ def numerical_choice_table(study: Study) -> Table | None:
         "scene on the finest level. The grid uncertainty is the stated one with all its contributions."
     )
     title = "Change of contact loads when one numerical setting of the finest mesh level is refined"
-    return Table.of("reference-choices", title, rows, note) if rows else None
+    return Table.from_rows("reference-choices", title, rows, note) if rows else None
 
 
-def modelling_uncertainty_table(study: Study) -> Table | None:
+def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
     """Return the table of the uncertainty of the 3D contact loads by modelling choices, for each choice and in total.
 
     Choices that were not varied are listed with the reason. Returns None if no run with a changed choice is stored.
     """
-    found = modelling_uncertainty_by_scene(study)
+    found = modelling_uncertainty_by_scene(cache)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
@@ -376,9 +395,9 @@ def modelling_uncertainty_table(study: Study) -> Table | None:
     rows += [{"choice": f"{c}: not varied", "why": "no run with this variation is stored"} for c in missing]
     rows += [{"choice": f"{n.choice}: not varied", "why": n.reason} for n in NOT_VARIED]
     columns = [
-        Quantity("choice", "choice", "", "s"),
-        *(Quantity(name, f"{name}, largest change of a load", "% of mean", ".2f") for name in found),
-        Quantity("why", "reason if not varied", "", "s"),
+        TableColumn("choice", "choice", "", "s"),
+        *(TableColumn(name, f"{name}, largest change of a load", "% of mean", ".2f") for name in found),
+        TableColumn("why", "reason if not varied", "", "s"),
     ]
     note = (
         "The effects of the choices are independent and of unknown sign, so on each contact they are combined as the root "
@@ -408,25 +427,25 @@ INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-def _scenes_with_effects_left_out(study: Study) -> Iterator[tuple[str, Run, StaticResult]]:
+def _scenes_with_effects_left_out(cache: SceneResultCache) -> Iterator[tuple[str, Run, StaticResult]]:
     """Yield the case studies with stored 3D runs that leave out one effect at a time, such as the nut's elasticity.
 
     For each, the name of the scene, its run on the coarsest mesh level, and the solution by Lin's model are yielded.
     """
-    for name in case_studies(study):
-        run = load_run(study.scene(name), min(LEVELS), stores=study.stores)
+    for name in references_of_case_studies(cache):
+        run = load_stored_run(cache.built_in_scene(name), min(LEVELS), stores=cache.reference_folders)
         if run is not None and run.without:
-            yield name, run, study.solve(name, "lin")
+            yield name, run, cache.solve_once(name, "lin")
 
 
-def left_out_effects_table(study: Study) -> Table | None:
+def left_out_effects_table(cache: SceneResultCache) -> Table | None:
     """Return the table of how contact loads [%] and run time [s] change if one effect is left out of the 3D reference.
 
     Returns None if no such run is stored.
     """
     rows: list[Row] = []
-    common = most_frequent_conditions(run.measured for _, run, _ in _scenes_with_effects_left_out(study))
-    for name, run, low in _scenes_with_effects_left_out(study):
+    common = most_frequent_measuring_conditions(run.measured for _, run, _ in _scenes_with_effects_left_out(cache))
+    for name, run, low in _scenes_with_effects_left_out(cache):
         full = load_error(low.load, run.load).max_percent
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
@@ -436,12 +455,12 @@ def left_out_effects_table(study: Study) -> Table | None:
             rows.append(
                 {
                     "scene": name,
-                    Quantity("without", "effect left out", "", "s"): ingredient,
-                    Quantity("meaning", "replacement", "", "s"): meaning,
+                    TableColumn("without", "effect left out", "", "s"): ingredient,
+                    TableColumn("meaning", "replacement", "", "s"): meaning,
                     **_load_change_cells(e),
-                    Quantity("seconds", "time saved", "s", "+.1f"): saved if run.measured == common else None,
-                    Quantity("before", "error of Lin's model against the full reference", "% of mean", ".2f"): full,
-                    Quantity(
+                    TableColumn("seconds", "time saved", "s", "+.1f"): saved if run.measured == common else None,
+                    TableColumn("before", "error of Lin's model against the full reference", "% of mean", ".2f"): full,
+                    TableColumn(
                         "model", "error of Lin's model against the reduced one", "% of mean", ".2f"
                     ): model.max_percent,
                 }
@@ -449,13 +468,13 @@ def left_out_effects_table(study: Study) -> Table | None:
     note = "On the coarsest mesh level. Effects that are small compared with the required accuracy can be left out. "
     note += _measured_times_sentence(common)
     title = "Change of contact loads and run time if one effect is left out of the 3D reference"
-    return Table.of("reference-ablation", title, rows, note) if rows else None
+    return Table.from_rows("reference-ablation", title, rows, note) if rows else None
 
 
-def rigid_nut_paragraph(study: Study) -> str:
+def rigid_nut_paragraph(cache: SceneResultCache) -> str:
     """Return the paragraph on the error of Lin's model, which has a rigid nut, against a 3D reference with a rigid nut."""
     parts = []
-    for name, run, low in _scenes_with_effects_left_out(study):
+    for name, run, low in _scenes_with_effects_left_out(cache):
         if "elastic nut" not in run.without:
             continue
         before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
@@ -468,12 +487,12 @@ def rigid_nut_paragraph(study: Study) -> str:
     )
 
 
-def mesh_uncertainty_sentence(found: References) -> str:
+def mesh_uncertainty_sentence(references: References) -> str:
     """Return the sentence on the range, over all scenes, of the mesh uncertainty of the 3D contact loads.
 
-    ``found``: 3D reference of each scene, by name of the scene; if there is none, the text is empty.
+    ``references``: 3D reference of each scene, by name of the scene; if there is none, the text is empty.
     """
-    bars = [largest_uncertainty_percent(ref) for ref in found.values()]
+    bars = [largest_uncertainty_percent(ref) for ref in references.values()]
     if not bars:
         return ""
     return (
@@ -483,13 +502,13 @@ def mesh_uncertainty_sentence(found: References) -> str:
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on the uncertainty of the 3D reference: by its mesh and by its modelling choices.
 
     ``step`` is called with each line of progress.
     """
     step("mesh levels, mesh study, modelling choices, left-out effects")
-    found, everything = case_studies(study), study.references((*REFERENCED, *UNSEEN))
+    found, everything = references_of_case_studies(cache), cache.stored_references((*REFERENCED, *UNSEEN))
     text = [
         (
             "From level to level all cells are refined, those of the contacts by a third; the cut-outs for the fine "
@@ -503,12 +522,12 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         text.append("Assumptions where Lin's thesis prints no value: " + " ".join(assumed))
     items: list[Any] = [Text(tuple(text))]
     if everything:
-        items += [mesh_uncertainty_table(everything), Text((common_error_paragraph(study),))]
-        items += [uncertainty_coverage_table(study), mesh_level_table(study, everything)]
+        items += [mesh_uncertainty_table(everything), Text((common_error_paragraph(cache),))]
+        items += [mesh_uncertainty_test_table(cache), mesh_level_table(cache, everything)]
     if found:
-        items += [stage_table(found), *mesh_study_items(study, found)]
-    items += [numerical_choice_table(study), modelling_uncertainty_table(study), modelling_choice_table(study)]
-    cause, ablation = rigid_nut_paragraph(study), left_out_effects_table(study)
+        items += [stage_time_table(found), *mesh_study_tables_and_figures(cache, found)]
+    items += [refined_mesh_setting_table(cache), modelling_uncertainty_table(cache), modelling_choice_table(cache)]
+    cause, ablation = rigid_nut_paragraph(cache), left_out_effects_table(cache)
     items += [Text((cause,)) if cause and ablation else None, ablation]
     shown = tuple(item for item in items if item is not None)
     return Section(

@@ -11,19 +11,19 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from rollbench.compare.measure import error_percent, load_error, scale_of_gate_errors
-from rollbench.compare.models.comparison import REFERENCED, path_of_condensed_bodies, suitable_models
-from rollbench.compare.models.modelling import UNSEEN, Rung, ladder
-from rollbench.compare.models.registry import MODELS, Model, Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.measure import error_percent, load_error, load_scale_of_check_errors
+from rollbench.compare.models.comparison import REFERENCED, models_shown_for_scene, path_of_condensed_bodies
+from rollbench.compare.models.modelling import UNSEEN, RefinementStepResult, ladder
+from rollbench.compare.models.registry import MODELS, Model, ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.reference.levels import SOURCE_LEVEL
 from rollbench.compare.reference.store import (
-    Measured,
+    MeasuringConditions,
     Run,
-    common_conditions,
-    load_run,
+    common_measuring_conditions,
+    load_stored_run,
     measuring_conditions,
     shipped_store,
 )
@@ -35,18 +35,18 @@ from rollbench.compare.studies.run_times import (
     RunTime,
     SetUpCosts,
     StoredRunTimes,
-    load_costs,
-    load_times,
-    save_times,
+    load_run_times,
+    load_set_up_costs,
+    save_run_times,
     time_command_in_empty_home,
     time_mesh_level_in_new_process,
     time_model_in_new_process,
-    today,
+    utc_date_text,
 )
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
+from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
 
 Step = Callable[[str], None]
 #: Smallest error drawn in the figures [% of the mean load]; smaller errors are drawn at this value.
@@ -72,7 +72,7 @@ PANELS = 6
 
 
 @dataclass(frozen=True)
-class LargestError:
+class LargestErrorWithRange:
     """Largest error of a contact load [%], with its range due to the mesh uncertainty of the 3D reference."""
 
     #: Largest error [%].
@@ -84,7 +84,7 @@ class LargestError:
 
 
 @dataclass(frozen=True)
-class TimePoint:
+class ErrorAndRunTime:
     """Error and run time of one model or mesh level on one scene, against the finest mesh level of the 3D reference."""
 
     #: Name of the model or mesh level in tables.
@@ -110,16 +110,16 @@ class TimePoint:
     #: Short name of the model or mesh level, for figures.
     name: str
     #: Largest error as ``rollbench check`` (the gate) judges it.
-    gate: LargestError
+    gate: LargestErrorWithRange
     #: Status of the solver, such as "converged".
     status: str = "converged"
     #: Conditions of the time measurement: program version and machine; None: not measured.
-    measured: Measured | None = None
+    measured: MeasuringConditions | None = None
     #: Time from an earlier measurement, with its conditions, as text; empty: none.
     older: str = ""
 
 
-def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestError:
+def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -> LargestErrorWithRange:
     """Return the largest error of contact loads against the 3D reference, and its range due to the grid uncertainty.
 
     If e is the error and U the uncertainty of a contact, the true largest error lies between max(|e| - U) and max(|e| + U)
@@ -136,16 +136,16 @@ def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -
 
     Returns
     -------
-    LargestError
+    LargestErrorWithRange
         Largest error and the ends of its range [%].
     """
     off = np.abs(error_percent(loads, reference.load, scale))
     bar = np.abs(error_percent(reference.uncertainty, 0.0, scale))
-    return LargestError(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
+    return LargestErrorWithRange(float(off.max()), max(0.0, float((off - bar).max())), float((off + bar).max()))
 
 
 def errors_against_reference(loads: Array, reference: Reference) -> dict[str, Any]:
-    """Return the errors of contact loads against the 3D reference, as keyword arguments of a `TimePoint`.
+    """Return the errors of contact loads against the 3D reference, as keyword arguments of a `ErrorAndRunTime`.
 
     ``loads``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``reference``: the 3D reference. The values
     of the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
@@ -153,11 +153,11 @@ def errors_against_reference(loads: Array, reference: Reference) -> dict[str, An
     """
     e = load_error(loads, reference.load, reference.contacts)
     of_mean = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
-    gate = largest_error_with_range(loads, reference, scale_of_gate_errors(reference.load, reference.mean))
+    gate = largest_error_with_range(loads, reference, load_scale_of_check_errors(reference.load, reference.mean))
     return {"error": e.max_percent, "rms": e.rms_percent, "low": of_mean.low, "high": of_mean.high, "gate": gate}
 
 
-def further_solution_seconds(model: Model, scene: Scene, options: Options) -> float:
+def further_solution_seconds(model: Model, scene: Scene, options: ModelOptions) -> float:
     """Return the time [s] in which a model solves a scene again, with body compliances and compiled kernels available.
 
     It is the median of `WARM_CALLS` solutions, after one that is not timed.
@@ -170,18 +170,20 @@ def further_solution_seconds(model: Model, scene: Scene, options: Options) -> fl
     return float(np.median(spent[1:]))
 
 
-def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels: bool) -> StoredRunTimes:
+def measure_run_times(
+    cache: SceneResultCache, scene_names: Sequence[str], step: Step, *, with_mesh_levels: bool
+) -> StoredRunTimes:
     """Measure the times in which all models solve the named scenes, in a new process (cold) and in a running one (warm).
 
     Parameters
     ----------
-    study
+    cache
         Study that gives scenes and 3D references.
-    names
+    scene_names
         Names of the scenes.
     step
         Called with each line of progress.
-    levels
+    with_mesh_levels
         Whether the mesh levels of the 3D reference are timed too, and the first solution of `FIRST` with interpreted and
         with compiled kernels.
 
@@ -191,23 +193,23 @@ def measure_run_times(study: Study, names: Sequence[str], step: Step, *, levels:
         Measured times, with program version, machine and date.
     """
     times, cold_levels, first = {}, [], {}
-    for name, found in study.references(names).items():
-        for model, bodies in models_with_bodies(name, found, study):
+    for name, found in cache.stored_references(scene_names).items():
+        for model, bodies in models_with_body_files(name, found, cache):
             step(f"{name}, {model.label}: cold and warm")
             cold = time_model_in_new_process(name, model.name, condensed=bodies, repeats=1)
-            options = Options(discretisation=False, engine="compiled", condensed=bodies)
-            warm = further_solution_seconds(model, study.scene(name), options)
+            options = ModelOptions(estimate_beam_mesh_error=False, engine="compiled", condensed_bodies_file=bodies)
+            warm = further_solution_seconds(model, cache.built_in_scene(name), options)
             times[name, model.name] = RunTime(cold.process, warm, cold.memory)
-        for run in stored_reference_runs(name, found, study) if levels else ():
+        for run in stored_reference_runs(name, found, cache) if with_mesh_levels else ():
             step(f"{name}, level {run.level} of the 3D reference, cold")
             cold_levels.append(time_mesh_level_in_new_process(name, run.level))
-    for name, engine in product(SAMPLE, ("interpreted", "compiled")) if levels else ():
+    for name, engine in product(SAMPLE, ("interpreted", "compiled")) if with_mesh_levels else ():
         step(f"{FIRST}, {name} {engine}: first process")
         first[name, engine] = time_model_in_new_process(FIRST, name, engine=engine)
-    return StoredRunTimes(measuring_conditions(), today(), times, first, cold_levels)
+    return StoredRunTimes(measuring_conditions(), utc_date_text(), times, first, cold_levels)
 
 
-def measure_commands(step: Step) -> StoredRunTimes:
+def measure_command_times(step: Step) -> StoredRunTimes:
     """Measure the run times of the commands in `COMMANDS`, each started with an empty home directory, without caches.
 
     ``step`` is called with each line of progress.
@@ -216,86 +218,98 @@ def measure_commands(step: Step) -> StoredRunTimes:
     for command in COMMANDS:
         step(f"{command}, with an empty home directory")
         commands.append(time_command_in_empty_home(command))
-    return StoredRunTimes(measuring_conditions(), today(), {}, {}, typed=commands)
+    return StoredRunTimes(measuring_conditions(), utc_date_text(), {}, {}, command_times=commands)
 
 
-def run_times_to_show(study: Study, step: Step) -> StoredRunTimes | None:
+def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
     """Return the run times that a report shows: stored ones or, if the study asks for it, newly measured ones.
 
     A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the study's
     first folder of stored runs. A quick study times the models only, and stores nothing. Returns None if the study is not
     timed and no times are stored. ``step`` is called with each line of progress.
     """
-    if not study.timed:
-        return load_times((*(study.stores or ()), shipped_store()))
-    measured = measure_run_times(study, list(compared_scenes(study)), step, levels=not study.quick)
-    if study.stores and not study.quick:
-        save_times(study.stores[0], measured)
+    if not cache.measures_run_times:
+        return load_run_times((*(cache.reference_folders or ()), shipped_store()))
+    measured = measure_run_times(cache, list(references_of_compared_scenes(cache)), step, with_mesh_levels=not cache.quick)
+    if cache.reference_folders and not cache.quick:
+        save_run_times(cache.reference_folders[0], measured)
     return measured
 
 
-def compared_scenes(study: Study) -> dict[str, Reference]:
+def references_of_compared_scenes(cache: SceneResultCache) -> dict[str, Reference]:
     """Return the 3D reference of every compared scene, by the scene's name.
 
     These are the case studies and, unless the study is quick, the scenes that were chosen before they were solved in 3D.
     """
-    return study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
+    return cache.stored_references(REFERENCED if cache.quick else (*REFERENCED, *UNSEEN))
 
 
-def models_with_bodies(name: str, found: Reference, study: Study) -> list[tuple[Model, Path | None]]:
+def models_with_body_files(
+    scene_name: str, scene_reference: Reference, cache: SceneResultCache
+) -> list[tuple[Model, Path | None]]:
     """Return the models that can describe a scene, each with the file of body compliances that it needs (or None).
 
     Only the model "condensed" needs a file: the compliances of screw and nut, condensed in the finest 3D run. It is left
-    out if there is no such file. ``name``: name of the scene. ``found``: its 3D reference.
+    out if there is no such file. ``scene_name``: name of the scene. ``scene_reference``: its 3D reference.
     """
-    scene, bodies = study.scene(name), path_of_condensed_bodies(study.scene(name), found, study.stores)
-    further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
-    every = [(m, bodies if m.name == "condensed" else None) for m in (*suitable_models(scene), *further)]
+    scene, bodies = (
+        cache.built_in_scene(scene_name),
+        path_of_condensed_bodies(cache.built_in_scene(scene_name), scene_reference, cache.reference_folders),
+    )
+    further = [m for m in MODELS.values() if not m.compared and m.covers_scene(scene)]
+    every = [(m, bodies if m.name == "condensed" else None) for m in (*models_shown_for_scene(scene), *further)]
     return [(m, file) for m, file in every if m.name != "condensed" or file is not None]
 
 
-def stored_reference_runs(name: str, found: Reference, study: Study) -> list[Run]:
+def stored_reference_runs(scene_name: str, scene_reference: Reference, cache: SceneResultCache) -> list[Run]:
     """Return the stored 3D runs of a scene: first the one on the mesh of Lin's thesis, if stored, then all mesh levels.
 
-    ``name``: name of the scene. ``found``: its 3D reference on the mesh levels.
+    ``scene_name``: name of the scene. ``scene_reference``: its 3D reference on the mesh levels.
     """
-    source = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
-    return [*(() if source is None else (source,)), *found.runs]
+    source = load_stored_run(cache.built_in_scene(scene_name), SOURCE_LEVEL, stores=cache.reference_folders)
+    return [*(() if source is None else (source,)), *scene_reference.runs]
 
 
-def error_and_time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
+def error_and_time_points(
+    scene_name: str, scene_reference: Reference, cache: SceneResultCache, step: Step
+) -> list[ErrorAndRunTime]:
     """Return the load errors and run times of all models and 3D mesh levels on one scene.
 
     Times from other measurements than the one shown are stated as text, with the conditions of their measurement.
 
     Parameters
     ----------
-    name
+    scene_name
         Name of the scene.
-    found
+    scene_reference
         3D reference of the scene.
-    study
+    cache
         Study that gives solutions and stored runs.
     step
         Called with each line of progress.
     """
-    kept, out = study.compute_once(run_times_to_show, step), []
-    measured = None if kept is None else kept.measured
-    for model, bodies in models_with_bodies(name, found, study):
-        known = None if kept is None else kept.times.get((name, model.name))
-        result = _solve_scene(name, model, study, bodies)
+    kept, out = cache.compute_once(run_times_to_show, step), []
+    measured = None if kept is None else kept.measuring_conditions
+    for model, bodies in models_with_body_files(scene_name, scene_reference, cache):
+        known = None if kept is None else kept.times_by_scene_and_model.get((scene_name, model.name))
+        result = _solve_scene(scene_name, model, cache, bodies)
         cold, warm, memory = (None, None, None) if known is None else (known.cold, known.warm, known.memory)
         costs: dict[str, Any] = {"cold": cold, "warm": warm, "unknowns": result.solver.unknowns, "memory": memory}
         notes: dict[str, Any] = {"status": result.status, "measured": None if known is None else measured}
         out.append(
-            TimePoint(
-                model.label, "model", **errors_against_reference(result.load, found), **costs, name=model.name, **notes
+            ErrorAndRunTime(
+                model.label,
+                "model",
+                **errors_against_reference(result.load, scene_reference),
+                **costs,
+                name=model.name,
+                **notes,
             )
         )
-    for run in stored_reference_runs(name, found, study):
+    for run in stored_reference_runs(scene_name, scene_reference, cache):
         cold, warm, older = None, None, f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
-        for level in () if kept is None else kept.levels:
-            if (level.scene, level.level) == (name, run.level):
+        for level in () if kept is None else kept.mesh_level_times:
+            if (level.scene, level.level) == (scene_name, run.level):
                 cold, warm, older = level.process, level.load_case, ""
         of_source = run.level == SOURCE_LEVEL
         label, short = (
@@ -304,50 +318,55 @@ def error_and_time_points(name: str, found: Reference, study: Study, step: Step)
         kind: Literal["source mesh", "level"] = "source mesh" if of_source else "level"
         costs = {"cold": cold, "warm": warm, "unknowns": run.unknowns, "memory": run.peak_MB}
         notes = {"status": run.status, "measured": None if cold is None else measured, "older": older}
-        errors = errors_against_reference(run.load, found)
-        out.append(TimePoint(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
+        errors = errors_against_reference(run.load, scene_reference)
+        out.append(ErrorAndRunTime(f"3D reference, {label}", kind, **errors, **costs, name=short, **notes))
     return out
 
 
-def _solve_scene(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
+def _solve_scene(scene_name: str, model: Model, cache: SceneResultCache, condensed_file: Path | None) -> StaticResult:
     """Solve a scene by a low-order model, or return the solution that another section has already computed.
 
-    ``name``: name of the scene. ``bodies``: file of condensed body compliances that the model needs; None: no file.
+    ``scene_name``: name of the scene. ``condensed_file``: file of condensed body compliances that the model needs; None: no
+    file.
     """
-    if bodies is None:
-        return study.solve(name, model.name)
-    for rung in study.computed.get((ladder,), ()):
-        if (rung.scene, rung.model) == (name, model.name):
-            return cast(Rung, rung).result
-    return run_model(study.scene(name), model.name, Options(discretisation=False, condensed=bodies))
+    if condensed_file is None:
+        return cache.solve_once(scene_name, model.name)
+    for rung in cache.computed_values.get((ladder,), ()):
+        if (rung.scene, rung.model) == (scene_name, model.name):
+            return cast(RefinementStepResult, rung).result
+    return run_model(
+        cache.built_in_scene(scene_name),
+        model.name,
+        ModelOptions(estimate_beam_mesh_error=False, condensed_bodies_file=condensed_file),
+    )
 
 
-def error_and_time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
+def error_and_time_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]], conditions_sentence: str = "") -> Table:
     """Return the table of load errors and run times of every model and 3D mesh level on every scene.
 
     Parameters
     ----------
-    points
+    points_by_scene
         Errors and run times of models and mesh levels, by name of the scene.
-    measured
+    conditions_sentence
         Sentence on the conditions of the time measurement, which ends the note below the table.
     """
     rows: list[Row] = [
         {
             "scene": scene,
             "model": p.label,
-            Quantity("error", "largest error", "% of mean", ".2f"): p.error,
-            Quantity("low", "largest error, at least", "% of mean", ".2f"): p.low,
-            Quantity("high", "largest error, at most", "% of mean", ".2f"): p.high,
-            Quantity("rms", "RMS error", "% of mean", ".2f"): p.rms,
-            Quantity("cold", "cold start", "s", "g3"): p.cold,
-            Quantity("warm", "further solution", "s", "g3"): p.warm,
-            Quantity("older", "time by an earlier measurement", "", "s"): p.older,
+            TableColumn("error", "largest error", "% of mean", ".2f"): p.error,
+            TableColumn("low", "largest error, at least", "% of mean", ".2f"): p.low,
+            TableColumn("high", "largest error, at most", "% of mean", ".2f"): p.high,
+            TableColumn("rms", "RMS error", "% of mean", ".2f"): p.rms,
+            TableColumn("cold", "cold start", "s", "g3"): p.cold,
+            TableColumn("warm", "further solution", "s", "g3"): p.warm,
+            TableColumn("older", "time by an earlier measurement", "", "s"): p.older,
             "unknowns": p.unknowns,
-            Quantity("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
-            Quantity("status", "status if not converged", "", "s"): "" if p.status == "converged" else p.status,
+            TableColumn("memory", "peak memory", "MB", ".0f"): p.memory if p.memory is not None else "not measured",
+            TableColumn("status", "status if not converged", "", "s"): "" if p.status == "converged" else p.status,
         }
-        for scene, several in points.items()
+        for scene, several in points_by_scene.items()
         for p in several
     ]
     note = (
@@ -359,9 +378,9 @@ def error_and_time_table(points: Mapping[str, Sequence[TimePoint]], measured: st
         "case. All times are from one measurement; times from earlier measurements are shown in a column of their own, "
         "with their conditions. Peak memory includes interpreter and libraries; for several processes it is the sum of "
         "their peaks. Unknowns of the 3D reference are those of the single mesh that is equivalent to its condensed parts."
-        + (f" {measured}" if measured else "")
+        + (f" {conditions_sentence}" if conditions_sentence else "")
     )
-    return Table.of(
+    return Table.from_rows(
         "reference-time", "Contact-load error and run time of each model and 3D mesh level on each scene", rows, note
     )
 
@@ -374,13 +393,13 @@ def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
     rows: list[Row] = [
         {
             "model": MODELS[name].label,
-            Quantity("engine", "kernels", "", "s"): engine,
-            Quantity("process", "new process, empty caches", "s", "g3"): cold.process,
-            Quantity("first", "first solution in it", "s", "g3"): cold.first,
-            Quantity("warm", "a further solution", "s", "g3"): cold.warm,
-            Quantity("memory", "peak memory", "MB", ".0f"): cold.memory,
+            TableColumn("engine", "kernels", "", "s"): engine,
+            TableColumn("process", "new process, empty caches", "s", "g3"): cold.process,
+            TableColumn("first", "first solution in it", "s", "g3"): cold.first,
+            TableColumn("warm", "a further solution", "s", "g3"): cold.warm,
+            TableColumn("memory", "peak memory", "MB", ".0f"): cold.memory,
         }
-        for (name, engine), cold in run_times.first.items()
+        for (name, engine), cold in run_times.first_solution_times.items()
     ]
     note = (
         "Kernels are compiled once per machine and stored in the user's cache; the command line solves single "
@@ -388,7 +407,7 @@ def kernel_compilation_table(run_times: StoredRunTimes) -> Table:
         f"computes the compliance of the bodies. {run_times}"
     )
     title = f"Run times of a new process on {FIRST}, with interpreted and with compiled kernels"
-    return Table.of("reference-cold", title, rows, note)
+    return Table.from_rows("reference-cold", title, rows, note)
 
 
 def command_time_table(run_times: StoredRunTimes) -> Table:
@@ -398,18 +417,18 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
     """
     rows: list[Row] = [
         {
-            Quantity("command", "command", "", "s"): c.command,
-            Quantity("reach", "target", "", "s"): COMMANDS.get(c.command, ""),
-            Quantity("seconds", "empty home directory", "s", "g3"): c.seconds,
-            Quantity("first_line", "until its first line", "s", "g3"): c.first_line,
-            Quantity("cpu", "CPU time", "s", "g3"): c.cpu,
-            Quantity("again", "second run", "s", "g3"): c.again,
-            Quantity("again_cpu", "CPU time, second run", "s", "g3"): c.again_cpu,
-            Quantity("beside", "next to a busy process", "s", "g3"): c.beside,
-            Quantity("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
-            Quantity("note", "note", "", "s"): c.note,
+            TableColumn("command", "command", "", "s"): c.command,
+            TableColumn("reach", "target", "", "s"): COMMANDS.get(c.command, ""),
+            TableColumn("seconds", "empty home directory", "s", "g3"): c.seconds,
+            TableColumn("first_line", "until its first line", "s", "g3"): c.first_line,
+            TableColumn("cpu", "CPU time", "s", "g3"): c.cpu,
+            TableColumn("again", "second run", "s", "g3"): c.again,
+            TableColumn("again_cpu", "CPU time, second run", "s", "g3"): c.again_cpu,
+            TableColumn("beside", "next to a busy process", "s", "g3"): c.beside,
+            TableColumn("beside_cpu", "CPU time next to a busy process", "s", "g3"): c.beside_cpu,
+            TableColumn("note", "note", "", "s"): c.note,
         }
-        for c in run_times.typed
+        for c in run_times.command_times
     ]
     note = (
         f"Each command is run as typed, without a set number of threads, in a home directory without any cache; rollbench "
@@ -417,12 +436,12 @@ def command_time_table(run_times: StoredRunTimes) -> Table:
         "that caches can achieve. CPU time is the sum over all processes of the command; it depends less on other work on "
         f"the machine. {run_times}"
     )
-    return Table.of(
+    return Table.from_rows(
         "reference-typed", "Run times of commands that start with an empty home directory, without caches", rows, note
     )
 
 
-def cold_level_time_table(run_times: StoredRunTimes) -> Table:
+def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
     """Return the table of run times of each mesh level of the 3D reference from a cold start, without stored meshes.
 
     ``run_times``: measured run times.
@@ -432,14 +451,14 @@ def cold_level_time_table(run_times: StoredRunTimes) -> Table:
             "scene": c.scene,
             "contacts": c.contacts,
             "level": c.level,
-            Quantity("cold", "new process, empty caches", "s", "g3"): c.process,
-            Quantity("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
-            Quantity("load_case", "a further load case", "s", "g3"): c.load_case,
-            Quantity("stages", "longest stages of the set-up", "", "s"): _costliest_stages(c),
-            Quantity("memory", "peak memory", "MB", ".0f"): c.memory,
+            TableColumn("cold", "new process, empty caches", "s", "g3"): c.process,
+            TableColumn("cpu", "CPU time of all processes", "s", "g3"): c.cpu,
+            TableColumn("load_case", "a further load case", "s", "g3"): c.load_case,
+            TableColumn("stages", "longest stages of the set-up", "", "s"): _longest_stages_text(c),
+            TableColumn("memory", "peak memory", "MB", ".0f"): c.memory,
             "status": c.status,
         }
-        for c in run_times.levels
+        for c in run_times.mesh_level_times
     ]
     note = (
         "Each level is computed in a separate process on all cores, from the start of the interpreter to the loads, "
@@ -449,22 +468,25 @@ def cold_level_time_table(run_times: StoredRunTimes) -> Table:
         f"reference-set-up-costs and reference-set-up-ways show the causes. {run_times}"
     )
     title = "Run times of the mesh levels of the 3D reference from a cold start"
-    return Table.of("reference-levels-cold", title, rows, note)
+    return Table.from_rows("reference-levels-cold", title, rows, note)
 
 
-def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
+def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
     """Return two tables on the set-up of the 3D reference: processor time of its stages, and cheaper variants of it.
 
     ``costs``: measured processor times and, for each cheaper variant, the saved time and the change of contact loads.
     """
-    measured = f"Measured with {Measured(costs.version, machine=costs.machine)}, {costs.date}, by tests/set_up_costs.py."
+    measured = (
+        f"Measured with {MeasuringConditions(costs.version, machine=costs.machine)}, {costs.date}, by "
+        "tests/set_up_costs.py."
+    )
     rows: list[Row] = [
         {
             "scene": job.scene,
             "level": job.level,
             "contacts": job.contacts,
             "stage": stage,
-            **{Quantity(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
+            **{TableColumn(kind, words, "s", ".2f"): spent.get(kind, 0.0) for kind, words in WORK.items()},
         }
         for job in costs.jobs
         for stage, spent in (*job.stages.items(), ("all", {kind: job.processor_time_of_work(kind) for kind in WORK}))
@@ -479,9 +501,9 @@ def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
     ways: list[Row] = [
         {
             "scene": way.scene,
-            Quantity("way", "variant", "", "s"): way.way,
-            Quantity("saved", "CPU time saved", "s", ".2f"): way.saved,
-            Quantity("moved", "largest change of a load", "% of mean", ".4f"): way.moved,
+            TableColumn("way", "variant", "", "s"): way.way,
+            TableColumn("saved", "CPU time saved", "s", ".2f"): way.saved,
+            TableColumn("moved", "largest change of a load", "% of mean", ".4f"): way.moved,
         }
         for way in costs.ways
     ]
@@ -493,13 +515,13 @@ def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
         f"ten values of each, 100,000 patches. {measured}"
     )
     return [
-        Table.of(
+        Table.from_rows(
             "reference-set-up-costs",
             "Processor time of the set-up of the 3D reference, by stage and kind of work",
             rows,
             note,
         ),
-        Table.of(
+        Table.from_rows(
             "reference-set-up-ways",
             "Cheaper variants of the 3D set-up that were rejected: time saved and change of loads",
             ways,
@@ -508,7 +530,7 @@ def set_up_cost_tables(costs: SetUpCosts) -> list[Table]:
     ]
 
 
-def _costliest_stages(level: ColdLevelTime) -> str:
+def _longest_stages_text(level: ColdLevelTime) -> str:
     """Return as text the `DEAREST` longest stages in the set-up of a 3D mesh level, each with its seconds."""
     if level.stages is None:
         return "not measured"
@@ -516,79 +538,80 @@ def _costliest_stages(level: ColdLevelTime) -> str:
     return ", ".join(f"{name} {seconds:.1f} s" for name, seconds in stages[:DEAREST])
 
 
-def speed_ratio_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
+def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> Table:
     """Return the table of run times of the 3D reference on its finest mesh level over those of Lin's model.
 
     The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
-    ``points``: errors and run times by name of the scene. Raises ValueError if the times come from several measurements.
+    ``points_by_scene``: errors and run times by name of the scene. Raises ValueError if the times come from several
+    measurements.
     """
     rows: list[Row] = []
-    for scene, several in points.items():
+    for scene, several in points_by_scene.items():
         low = next(p for p in several if p.name == "lin")
         best = [p for p in several if p.kind == "level"][-1]
         if low.cold and low.warm and best.cold and best.warm:
-            common_conditions(p.measured for p in (low, best) if p.measured is not None)
+            common_measuring_conditions(p.measured for p in (low, best) if p.measured is not None)
             rows.append(
                 {
                     "scene": scene,
-                    Quantity("low", "Lin's model, cold start", "s", "g3"): low.cold,
-                    Quantity("low_warm", "Lin's model, further load case", "s", "g3"): low.warm,
-                    Quantity("ref", "3D reference, cold start", "s", ".1f"): best.cold,
-                    Quantity("ref_warm", "3D reference, further load case", "s", ".2f"): best.warm,
-                    Quantity("cold", "ratio, cold start", "", ".0f"): best.cold / low.cold,
-                    Quantity("warm", "ratio, further load case", "", ".0f"): best.warm / low.warm,
+                    TableColumn("low", "Lin's model, cold start", "s", "g3"): low.cold,
+                    TableColumn("low_warm", "Lin's model, further load case", "s", "g3"): low.warm,
+                    TableColumn("ref", "3D reference, cold start", "s", ".1f"): best.cold,
+                    TableColumn("ref_warm", "3D reference, further load case", "s", ".2f"): best.warm,
+                    TableColumn("cold", "ratio, cold start", "", ".0f"): best.cold / low.cold,
+                    TableColumn("warm", "ratio, further load case", "", ".0f"): best.warm / low.warm,
                 }
             )
-    printed = printed_entry("lin-2.4.1", "speed_ratio").printed
+    printed = printed_entry("lin-2.4.1", "speed_ratio").number_as_printed
     title = f"Run time of the 3D reference divided by that of Lin's model (for ANSYS, Lin's thesis prints over {printed})"
-    return Table.of("reference-speed", title, rows)
+    return Table.from_rows("reference-speed", title, rows)
 
 
-def error_over_time_panel(scene: str, of_scene: Sequence[TimePoint]) -> Panel:
+def error_over_time_panel(scene_name: str, scene_points: Sequence[ErrorAndRunTime]) -> Panel:
     """Return the panel of the largest load error over the cold-start time of all models and mesh levels on one scene.
 
-    ``scene``: name of the scene, the title of the panel. ``of_scene``: errors and run times on it. Only converged solutions
-    with a measured time are drawn; bars show the range of the error due to the mesh uncertainty.
+    ``scene_name``: name of the scene, the title of the panel. ``scene_points``: errors and run times on it. Only converged
+    solutions with a measured time are drawn; bars show the range of the error due to the mesh uncertainty.
     """
 
-    def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
+    def series(label: str, points: Sequence[ErrorAndRunTime], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
         high = [max(p.high, FLOOR) for p in points if p.high is not None]
         bars = (low, high) if len(low) == len(high) == len(points) else None
         errors = [max(p.error, FLOOR) for p in points]
         times = [p.cold for p in points if p.cold is not None]
-        return Series(label, times, errors, style, emphasis=emphasis, bars=bars)
+        return Series(label, times, errors, style, bold=emphasis, error_bars=bars)
 
-    good = [p for p in of_scene if p.status == "converged" and p.cold is not None]
+    good = [p for p in scene_points if p.status == "converged" and p.cold is not None]
     drawn = [series(p.label, [p], "markers") for kind in ("model", "source mesh") for p in good if p.kind == kind]
     levels = [p for p in good if p.kind == "level"]
     if levels:
         drawn.append(series("3D reference, mesh levels", levels, "markers", emphasis=True))
     label = "run time of a cold start / s"
-    return Panel(scene, label, "largest error / % of the mean load", tuple(drawn), log="xy")
+    return Panel(scene_name, label, "largest error / % of the mean load", tuple(drawn), log_axes="xy")
 
 
-def error_over_time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
+def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> list[Figure]:
     """Draw the largest load error over run time of all models and mesh levels, in a figure for each group of scenes.
 
-    The groups are the case studies without preload, those with preload, and the screws not used in development. ``points``:
-    errors and run times by name of the scene.
+    The groups are the case studies without preload, those with preload, and the screws not used in development.
+    ``points_by_scene``: errors and run times by name of the scene.
     """
     caption = (
         "Errors against the finest mesh level of the 3D reference; bars: range due to its mesh uncertainty. Errors below "
         f"{FLOOR:g} % are drawn at this value. Cold start: a new process with empty caches."
     )
-    plain = [n for n in REFERENCED if n in points and any(p.name == "mei" for p in points[n])]
+    plain = [n for n in REFERENCED if n in points_by_scene and any(p.name == "mei" for p in points_by_scene[n])]
     groups = {
         "": plain,
-        "-preload": [n for n in REFERENCED if n in points and n not in plain],
-        "-unseen": [n for n in UNSEEN if n in points][:PANELS],
+        "-preload": [n for n in REFERENCED if n in points_by_scene and n not in plain],
+        "-unseen": [n for n in UNSEEN if n in points_by_scene][:PANELS],
     }
     return [
         Figure(
             f"reference-time{tail}",
             "Largest contact-load error of each model and 3D mesh level over its run time from a cold start",
-            tuple(error_over_time_panel(n, points[n]) for n in names),
+            tuple(error_over_time_panel(n, points_by_scene[n]) for n in names),
             caption,
         )
         for tail, names in groups.items()
@@ -596,38 +619,40 @@ def error_over_time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[F
     ]
 
 
-def points_of_all_scenes(study: Study, step: Step) -> dict[str, list[TimePoint]]:
+def errors_and_times_of_all_scenes(cache: SceneResultCache, step: Step) -> dict[str, list[ErrorAndRunTime]]:
     """Return errors and run times of all models and mesh levels on all compared scenes, by name of the scene.
 
     ``step`` is called with each line of progress. Raises ValueError if the times come from several measurements.
     """
-    study.compute_once(ladder)  # its solutions are used here too
-    points = {name: error_and_time_points(name, ref, study, step) for name, ref in compared_scenes(study).items()}
-    common_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
+    cache.compute_once(ladder)  # its solutions are used here too
+    points = {
+        name: error_and_time_points(name, ref, cache, step) for name, ref in references_of_compared_scenes(cache).items()
+    }
+    common_measuring_conditions(p.measured for several in points.values() for p in several if p.measured is not None)
     return points
 
 
-def measurement_conditions_sentence(study: Study, step: Step) -> str:
+def run_time_conditions_sentence(cache: SceneResultCache, step: Step) -> str:
     """Return a sentence on the conditions under which run times were measured: program version, machine and date.
 
     The sentence is "No run times are stored." if there are none. ``step`` is called with each line of progress.
     """
-    kept = study.compute_once(run_times_to_show, step)
+    kept = cache.compute_once(run_times_to_show, step)
     return "No run times are stored." if kept is None else str(kept)
 
 
-def run_time_items(study: Study, step: Step) -> list[Table | Figure]:
+def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     """Return the tables and figures of the section on run times.
 
     In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
     each line of progress.
     """
-    points, kept = study.compute_once(points_of_all_scenes, step), study.compute_once(run_times_to_show, step)
-    items: list[Table | Figure] = [error_and_time_table(points, measurement_conditions_sentence(study, step))]
-    if not study.quick:
-        costs = load_costs((*(study.stores or ()), shipped_store()))
-        items += [] if kept is None else [kernel_compilation_table(kept), cold_level_time_table(kept)]
-        commands = load_times((*(study.stores or ()), shipped_store()), TYPED)
+    points, kept = cache.compute_once(errors_and_times_of_all_scenes, step), cache.compute_once(run_times_to_show, step)
+    items: list[Table | Figure] = [error_and_time_table(points, run_time_conditions_sentence(cache, step))]
+    if not cache.quick:
+        costs = load_set_up_costs((*(cache.reference_folders or ()), shipped_store()))
+        items += [] if kept is None else [kernel_compilation_table(kept), cold_start_time_table_of_mesh_levels(kept)]
+        commands = load_run_times((*(cache.reference_folders or ()), shipped_store()), TYPED)
         items += [] if commands is None else [command_time_table(commands)]
-        items += [] if costs is None else set_up_cost_tables(costs)
-    return [*items, speed_ratio_table(points), *error_over_time_figures(points)]
+        items += [] if costs is None else set_up_time_tables(costs)
+    return [*items, run_time_ratio_table(points), *error_over_time_figures(points)]

@@ -7,16 +7,21 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.compare.gate.verdict import LIMIT, Limits, Verdict
+from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, Verdict
 from rollbench.compare.gate.verdict import judge_contact_loads as by_gate
-from rollbench.compare.models.comparison import REFERENCED, RULE, loads_from_result, loads_from_run
+from rollbench.compare.models.comparison import REFERENCED, RULE, solution_from_result, solution_from_run
 from rollbench.compare.models.modelling import UNSEEN
 from rollbench.compare.models.registry import DEFAULT
-from rollbench.compare.models.study import Study
-from rollbench.compare.models.uncertainty import CONTACTS, QUANTITIES, Validated, validated_error
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.models.uncertainty import (
+    CONTACTS,
+    QUANTITIES,
+    ErrorWithUncertainty,
+    error_with_validation_uncertainty,
+)
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Quantity, Row, Section, Sketch, Table, Text
+from rollbench.reports.content import Figure, Row, Section, Sketch, Table, TableColumn, Text
 
 
 def sketch_scene(scene: Scene, name: str, title: str) -> Sketch:
@@ -61,29 +66,29 @@ LEGEND = (
     "(section u-val)."
 )
 
-Judged = Mapping[tuple[str, str], Validated]
+Judged = Mapping[tuple[str, str], ErrorWithUncertainty]
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section with a data sheet for every scene that has a 3D reference; Lin's case studies come first.
 
     ``step`` is called with each line of progress.
     """
     step("a data sheet for every scene with a 3D reference")
-    found = study.references((*REFERENCED, *UNSEEN))
+    found = cache.stored_references((*REFERENCED, *UNSEEN))
     title = "Geometry, loads and errors of each compared screw and bearing"
     if not found:
         return Section("sheets", title, (Text(("No run of the 3D reference is stored.",)),))
-    judged = {name: errors_by_model(study, name) for name in found}
+    judged = {name: errors_by_model_and_quantity(cache, name) for name in found}
     legend = Text((LEGEND,))
     items = [
         legend,
-        *(item for name, reference in found.items() for item in data_sheet(study, name, reference, judged[name])),
+        *(item for name, reference in found.items() for item in data_sheet_items(cache, name, reference, judged[name])),
     ]
     return Section("sheets", title, items, conclusion=largest_errors_sentence(judged))
 
 
-def errors_by_model(study: Study, name: str) -> Judged:
+def errors_by_model_and_quantity(cache: SceneResultCache, name: str) -> Judged:
     """Return the error of each model in `MODELS` in every quantity on a scene, with the uncertainty of the error.
 
     ``name``: name of the scene. The keys are pairs: name of the model, name of the quantity.
@@ -92,53 +97,62 @@ def errors_by_model(study: Study, name: str) -> Judged:
         (model, quantity.name): one
         for model in MODELS
         for quantity in QUANTITIES
-        if (one := validated_error(study, name, model, quantity, loads_from_result(study.solve(name, model)))) is not None
+        if (
+            one := error_with_validation_uncertainty(
+                cache, name, model, quantity, solution_from_result(cache.solve_once(name, model))
+            )
+        )
+        is not None
     }
 
 
-def largest_errors_sentence(judged: Mapping[str, Judged]) -> str:
+def largest_errors_sentence(errors_by_scene: Mapping[str, Judged]) -> str:
     """Return the sentences on the largest contact-load error of each model: over all scenes, then by kind of scene.
 
-    ``judged``: errors by name of the scene, then by model and quantity. Kinds: Lin's case studies, and other scenes.
+    ``errors_by_scene``: errors by name of the scene, then by model and quantity. Kinds: Lin's case studies, and other
+    scenes.
     """
     kinds = (
         ("case studies of Lin's thesis", REFERENCED),
         ("screws and bearings that were chosen before they were solved in 3D", UNSEEN),
     )
-    words, whole = [], [f"{_largest_error_text(judged, model).partition(' (')[0]}" for model in MODELS]
+    words, whole = [], [f"{_largest_error_text(errors_by_scene, model).partition(' (')[0]}" for model in MODELS]
     for kind, names in kinds:
-        of_kind = {name: judged[name] for name in names if name in judged}
+        of_kind = {name: errors_by_scene[name] for name in names if name in errors_by_scene}
         if of_kind:
             worst = [_largest_error_text(of_kind, model) for model in MODELS]
             words.append(f"{' and '.join(worst)} on the {len(of_kind)} {kind}")
     return (
-        f"Largest contact-load error over {len(judged)} screws and bearings, in per cent of the mean load: "
+        f"Largest contact-load error over {len(errors_by_scene)} screws and bearings, in per cent of the mean load: "
         f"{' and '.join(whole)}. In detail: {'; '.join(words)}."
     )
 
 
-def _largest_error_text(judged: Mapping[str, Judged], model: str) -> str:
+def _largest_error_text(errors_by_scene: Mapping[str, Judged], model: str) -> str:
     """Return as text the largest contact-load error of a model over several scenes, with the name of that scene.
 
-    ``judged``: errors by name of the scene, then by model and quantity.
+    ``errors_by_scene``: errors by name of the scene, then by model and quantity.
     """
-    errors = {name: abs(v[model, CONTACTS].error) for name, v in judged.items()}
+    errors = {name: abs(v[model, CONTACTS].error) for name, v in errors_by_scene.items()}
     name = max(errors, key=errors.__getitem__)
     return f"{errors[name]:.1f} % by the model {model} ({name})"
 
 
-def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) -> Sequence[Text | Sketch | Table | Figure]:
+def data_sheet_items(
+    cache: SceneResultCache, name: str, reference: Reference, validated_errors: Judged
+) -> Sequence[Text | Sketch | Table | Figure]:
     """Return the contents of one scene's data sheet: text on verdict and uncertainty, sketch, table of results.
 
-    ``name``: name of the scene. ``reference``: its 3D reference. ``judged``: errors on this scene, by model and quantity.
+    ``name``: name of the scene. ``reference``: its 3D reference. ``validated_errors``: errors on this scene, by model and
+    quantity.
     """
-    scene = study.scene(name)
-    gate = gate_verdicts(study, name, reference)
-    words = (gate_verdict_sentence(gate), uncertainty_sentence(reference, judged[DEFAULT, CONTACTS]))
+    scene = cache.built_in_scene(name)
+    gate = gate_verdicts_by_model(cache, name, reference)
+    words = (gate_verdict_sentence(gate), uncertainty_sentence(reference, validated_errors[DEFAULT, CONTACTS]))
     return (
         Text(words, heading=f"{name}: {scene.title}"),
         sketch_scene(scene, f"sketch-{name}", f"Side view of {name} with supports and loads"),
-        data_sheet_table(study, scene, reference, judged, gate),
+        data_sheet_table(cache, scene, reference, validated_errors, gate),
     )
 
 
@@ -146,23 +160,23 @@ def data_sheet(study: Study, name: str, reference: Reference, judged: Judged) ->
 WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
-def gate_verdicts(study: Study, name: str, reference: Reference) -> dict[str, Verdict]:
+def gate_verdicts_by_model(cache: SceneResultCache, name: str, reference: Reference) -> dict[str, Verdict]:
     """Return the verdict of ``rollbench check`` (the gate) on each model's contact loads on a scene, by model name.
 
     ``name``: name of the scene. ``reference``: its 3D reference.
     """
-    return {model: by_gate(model, study.solve(name, model).load, reference, Limits())[0] for model in MODELS}
+    return {model: by_gate(model, cache.solve_once(name, model).load, reference, ErrorLimits())[0] for model in MODELS}
 
 
-def gate_verdict_sentence(found: Mapping[str, Verdict]) -> str:
+def gate_verdict_sentence(verdicts: Mapping[str, Verdict]) -> str:
     """Return the sentence on the verdicts of ``rollbench check`` on each model, with the contact that decided each.
 
-    ``found``: verdicts on the contact loads, by name of the model. The text states error, ball and flank of the contact.
+    ``verdicts``: verdicts on the contact loads, by name of the model. The text states error, ball and flank of the contact.
     """
     sentences = [
         f"{model} {WORDS[v.word]} the limit of {LIMIT:g} % of rollbench check: "
         f"{_signed_text(v.error or 0.0)} % on ball {v.ball} {v.flank}"
-        for model, v in found.items()
+        for model, v in verdicts.items()
     ]
     return f"Verdict: {'; '.join(sentences)}."
 
@@ -172,48 +186,56 @@ def _signed_text(value: float) -> str:
     return f"{value:+.2f}".replace("-", "−")
 
 
-def uncertainty_sentence(reference: Reference, bounds: Validated) -> str:
+def uncertainty_sentence(reference: Reference, validated: ErrorWithUncertainty) -> str:
     """Return the sentence on the uncertainty of the contact-load error on a scene, and on its three contributions.
 
     The contributions are mesh, modelling choices and input tolerances. ``reference``: 3D reference of the scene.
-    ``bounds``: error of the default model with these uncertainties.
+    ``validated``: error of the default model with these uncertainties.
     """
     levels = ", ".join(str(run.level) for run in reference.runs)
-    parts = [("mesh", bounds.grid), ("modelling choices", bounds.choices), ("input tolerances", bounds.inputs)]
+    parts = [("mesh", validated.grid), ("modelling choices", validated.choices), ("input tolerances", validated.inputs)]
     known = ", ".join(f"{name} {value:.2f}" for name, value in parts if np.isfinite(value))
     also = f" {reference.unsettled[:1].upper()}{reference.unsettled[1:]}." if reference.unsettled else ""
-    return f"Uncertainty: mesh levels {levels} of the 3D reference; {bounds.bar}, of which {known}.{also}"
+    return f"Uncertainty: mesh levels {levels} of the 3D reference; {validated.uncertainty_text}, of which {known}.{also}"
 
 
 def data_sheet_table(
-    study: Study, scene: Scene, reference: Reference, judged: Judged, gate: Mapping[str, Verdict]
+    cache: SceneResultCache,
+    scene: Scene,
+    reference: Reference,
+    validated_errors: Judged,
+    gate_verdicts_of_models: Mapping[str, Verdict],
 ) -> Table:
     """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
-    ``judged``: errors by model and quantity. ``gate``: verdicts of ``rollbench check`` on the contact loads, by model. For
-    contact loads only the errors are shown (by the gate's rule, and in per cent of the mean load), because the worst
-    contact differs from model to model.
+    ``validated_errors``: errors by model and quantity. ``gate_verdicts_of_models``: verdicts of ``rollbench check`` on the
+    contact loads, by model. For contact loads only the errors are shown (by the gate's rule, and in per cent of the mean
+    load), because the worst contact differs from model to model.
     """
-    answers = {"3D reference": loads_from_run(reference.best, "")}
-    answers |= {model: loads_from_result(study.solve(scene.name, model)) for model in MODELS}
+    answers = {"3D reference": solution_from_run(reference.best, "")}
+    answers |= {model: solution_from_result(cache.solve_once(scene.name, model)) for model in MODELS}
 
     def quantity_row(
         quantity: str, errors: Mapping[str, float | None], u_val: float, values: Mapping[str, float | None]
     ) -> Row:
         return {
             "quantity": quantity,
-            **{Quantity(key, key): values.get(key) for key in answers},
-            **{Quantity(f"error-{model}", f"error of {model}", "%", "+.2f"): error for model, error in errors.items()},
-            Quantity("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
+            **{TableColumn(key, key): values.get(key) for key in answers},
+            **{TableColumn(f"error-{model}", f"error of {model}", "%", "+.2f"): error for model, error in errors.items()},
+            TableColumn("u_val", "u_val", "%", ".2f"): u_val if np.isfinite(u_val) else None,
         }
 
-    rows = [quantity_row("worst contact load by the gate's rule", {m: v.error for m, v in gate.items()}, np.nan, {})]
+    rows = [
+        quantity_row(
+            "worst contact load by the gate's rule", {m: v.error for m, v in gate_verdicts_of_models.items()}, np.nan, {}
+        )
+    ]
     for q in QUANTITIES:
         single = q.name != CONTACTS
-        errors = {model: judged[model, q.name].error for model in MODELS}
-        values = {key: float(q.take(scene, answer)[0]) if single else None for key, answer in answers.items()}
+        errors = {model: validated_errors[model, q.name].error for model in MODELS}
+        values = {key: float(q.values_of_solution(scene, answer)[0]) if single else None for key, answer in answers.items()}
         words = f"{q.name} [{q.unit}]" if single else "worst contact load, in per cent of the mean load"
-        rows.append(quantity_row(words, errors, judged[DEFAULT, q.name].combined, values))
-    return Table.of(
+        rows.append(quantity_row(words, errors, validated_errors[DEFAULT, q.name].combined, values))
+    return Table.from_rows(
         f"sheet-{scene.name}", f"Results on {scene.name} by 3D reference and models, with the models' errors", rows
     )

@@ -16,11 +16,11 @@ from typing import Any
 
 from rollbench.compare.case import Case
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence, all_computations, join_remarks, publication_title_of
+from rollbench.compare.evidence import PrintedEntryComparison, all_computations, join_remarks, publication_title_of
 from rollbench.compare.measure import error_percent
-from rollbench.compare.printed import Printed, load_table, printed_entry
-from rollbench.compare.sections.verdicts import finite_error_or_none
-from rollbench.reports.content import Quantity, Row, Table
+from rollbench.compare.printed import PrintedEntry, load_printed_table, printed_entry
+from rollbench.compare.sections.verdicts import shown_error_or_none
+from rollbench.reports.content import Row, Table, TableColumn
 
 #: Further cells of table rows, by name of the row's printed number ("table:key").
 More = Mapping[str, Row]
@@ -72,11 +72,11 @@ class PrintedLayout:
     @property
     def significant_digits(self) -> int:
         """Number of significant digits of the printed number with most digits, but at least five."""
-        texts = (printed_entry(*name.split(":")).printed.partition("e")[0] for name in self.names)
+        texts = (printed_entry(*name.split(":")).number_as_printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
 
-def read_layouts(case: Case) -> list[PrintedLayout]:
+def read_table_layouts(case: Case) -> list[PrintedLayout]:
     """Read the layouts of the printed tables of a publication, in the order of its file ``layout.toml``.
 
     ``case``: the publication. Raises InputError if a layout names a printed number that does not exist.
@@ -85,24 +85,24 @@ def read_layouts(case: Case) -> list[PrintedLayout]:
     return [_layout_from_record(case.name, str(path), one) for one in tomllib.loads(path.read_text("utf-8"))["table"]]
 
 
-def _layout_from_record(case: str, path: str, one: Mapping[str, Any]) -> PrintedLayout:
+def _layout_from_record(case: str, path: str, record: Mapping[str, Any]) -> PrintedLayout:
     """Return the layout of one printed table, made of its record in the file ``layout.toml``.
 
-    ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``one``: the record. Raises
+    ``case``: name of the publication's case. ``path``: path of the file, for error messages. ``record``: the record. Raises
     InputError if the record names a printed number that does not exist.
     """
     rows = []
-    for label, *keys in one["rows"]:
-        names = tuple(key if ":" in key or not key else f"{one['printed']}:{key}" for key in keys)
+    for label, *keys in record["rows"]:
+        names = tuple(key if ":" in key or not key else f"{record['printed']}:{key}" for key in keys)
         for name in filter(None, names):
             try:
                 printed_entry(*name.split(":"))
             except KeyError as error:
                 advice = "correct this key in the file of table layouts"
-                raise InputError(path, one["number"], name, "the key of an existing printed number", advice) from error
+                raise InputError(path, record["number"], name, "the key of an existing printed number", advice) from error
         rows.append((label, names))
-    texts = {key: one[key] for key in ("number", "short", "title", "printed", "kind")}
-    return PrintedLayout(case, **texts, columns=tuple(one["columns"]), rows=tuple(rows))
+    texts = {key: record[key] for key in ("number", "short", "title", "printed", "kind")}
+    return PrintedLayout(case, **texts, columns=tuple(record["columns"]), rows=tuple(rows))
 
 
 def format_like_printed_number(value: float | None, printed: str) -> str:
@@ -123,7 +123,9 @@ def format_like_printed_number(value: float | None, printed: str) -> str:
     return text.removeprefix("-") if not float(text) else text
 
 
-def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evidence], ours: Mapping[str, str]) -> Table:
+def printed_and_computed_table_in_layout(
+    layout: PrintedLayout, evidence_by_name: Mapping[str, PrintedEntryComparison], replacing_texts: Mapping[str, str]
+) -> Table:
     """Return a table in the publication's layout, with the computed value next to each printed number.
 
     The computed value has as many decimals as the printed number. If it repeats an error of the publication, the correct
@@ -133,57 +135,67 @@ def side_by_side_table_of_layout(layout: PrintedLayout, found: Mapping[str, Evid
     ----------
     layout
         Layout of the table.
-    found
+    evidence_by_name
         Printed and computed values, by name of the printed number.
-    ours
+    replacing_texts
         Texts that replace computed values, such as measured run times, by name of the printed number.
     """
     rows: list[Row] = []
     across, down = (
-        [_printed_units(names, found) for names in by] for by in (layout.across, zip(*layout.across, strict=True))
+        [_printed_units(names, evidence_by_name) for names in by]
+        for by in (layout.across, zip(*layout.across, strict=True))
     )
     of_row, of_column = (all(len(several) == 1 for several in by) for by in (across, down))  # else a unit with each number
     faulty = [
-        any(name and found[name].as_printed is not None for name in names) for names in zip(*layout.across, strict=True)
+        any(name and evidence_by_name[name].as_printed is not None for name in names)
+        for names in zip(*layout.across, strict=True)
     ]
     for (label, names), several in zip(layout.rows, across, strict=True):
-        row: Row = {Quantity("label", "", "", "s"): label} if any(label for label, _ in layout.rows) else {}
+        row: Row = {TableColumn("label", "", "", "s"): label} if any(label for label, _ in layout.rows) else {}
         if of_row and any("".join(units) for units in across):
-            row[Quantity("unit", "unit", "", "s")] = next(iter(several))
+            row[TableColumn("unit", "unit", "", "s")] = next(iter(several))
         for k, (head, name) in enumerate(zip(layout.columns, names, strict=True)):
             heading = next(iter(down[k])) if of_column and not of_row else ""
-            unit = "" if of_row or of_column or not name else found[name].printed.unit
+            unit = "" if of_row or of_column or not name else evidence_by_name[name].printed.unit
             texts = {"printed": "", "ours": "", "right": ""}
             if name:
-                p, right = found[name].printed, found[name].value if found[name].as_printed is not None else None
-                texts = {"printed": p.printed or p.claim, "ours": ours.get(name, computed_value_text(found[name]))}
+                p, right = (
+                    evidence_by_name[name].printed,
+                    evidence_by_name[name].value if evidence_by_name[name].as_printed is not None else None,
+                )
                 texts = {
-                    key: text if key == "ours" and name in ours else f"{text} {unit}".rstrip()
+                    "printed": p.number_as_printed or p.claim,
+                    "ours": replacing_texts.get(name, computed_value_text(evidence_by_name[name])),
+                }
+                texts = {
+                    key: text if key == "ours" and name in replacing_texts else f"{text} {unit}".rstrip()
                     for key, text in texts.items()
                 }
-                texts["right"] = "" if right is None else f"{format_like_printed_number(right, p.printed)} {unit}".rstrip()
+                texts["right"] = (
+                    "" if right is None else f"{format_like_printed_number(right, p.number_as_printed)} {unit}".rstrip()
+                )
             for key, text in texts.items():
                 if key != "right" or faulty[k]:
-                    row[Quantity(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
+                    row[TableColumn(f"{key}-{k}", f"{head}, {key}", heading, "s")] = text
         rows.append(row)
     note = (
         "Ours: computed by the low-order model. Where an error of the publication changes the number, the error is "
         "repeated and the correct value is shown as well."
     )
-    if any(f.reference is not None for f in map(found.__getitem__, layout.names)):
+    if any(f.reference is not None for f in map(evidence_by_name.__getitem__, layout.names)):
         note += " Numbers by ANSYS are compared with the 3D reference."
-    return Table.of(layout.stem(), layout.title, rows, note, unfolded=True)
+    return Table.from_rows(layout.stem(), layout.title, rows, note, unfolded=True)
 
 
-def _printed_units(names: Iterable[str], found: Mapping[str, Evidence]) -> set[str]:
+def _printed_units(names: Iterable[str], evidence_by_name: Mapping[str, PrintedEntryComparison]) -> set[str]:
     """Return the set of units of several printed numbers, given by their names; claims in words are left out.
 
-    ``found``: printed and computed values, by name of the printed number.
+    ``evidence_by_name``: printed and computed values, by name of the printed number.
     """
-    return {found[name].printed.unit for name in names if name and not found[name].printed.claim}
+    return {evidence_by_name[name].printed.unit for name in names if name and not evidence_by_name[name].printed.claim}
 
 
-def computed_value_text(evidence: Evidence) -> str:
+def computed_value_text(evidence: PrintedEntryComparison) -> str:
     """Return the computed value of a printed number as text, with as many decimals as the printed one.
 
     ``evidence``: the printed number with its computed values. The text shows the first of these values that exists:
@@ -191,29 +203,29 @@ def computed_value_text(evidence: Evidence) -> str:
     whether it holds.
     """
     if evidence.printed.claim:
-        return "–" if evidence.holds is None else "holds" if evidence.holds else "does not hold"
+        return "–" if evidence.claim_is_true is None else "holds" if evidence.claim_is_true else "does not hold"
     values = (evidence.as_printed, evidence.value, evidence.reference)
-    return format_like_printed_number(next((v for v in values if v is not None), None), evidence.printed.printed)
+    return format_like_printed_number(next((v for v in values if v is not None), None), evidence.printed.number_as_printed)
 
 
 #: Columns of the table of all printed numbers: values, their errors against the printed number, and scenes.
-PRINTED, SOLID = Quantity("printed", "printed", "", "s"), Quantity("solid", "3D, ours", "", "s")
+PRINTED, SOLID = TableColumn("printed", "printed", "", "s"), TableColumn("solid", "3D, ours", "", "s")
 OFF = {
-    "right": Quantity("off", "error: ours against printed", "%", "+.2f"),
-    "faulty": Quantity("off_faulty", "error: with the publication's errors, against printed", "%", "+.2f"),
-    "reading": Quantity("off_reading", "error: with inferred assumption, against printed", "%", "+.2f"),
-    "solid": Quantity("off_solid", "error: 3D against printed", "%", "+.2f"),
+    "right": TableColumn("off", "error: ours against printed", "%", "+.2f"),
+    "faulty": TableColumn("off_faulty", "error: with the publication's errors, against printed", "%", "+.2f"),
+    "reading": TableColumn("off_reading", "error: with inferred assumption, against printed", "%", "+.2f"),
+    "solid": TableColumn("off_solid", "error: 3D against printed", "%", "+.2f"),
 }
-AGAINST = Quantity("against", "error: low-order against 3D, both ours", "%", "+.2f")
-SCENES = Quantity("scenes", "scenes, or why there are none", "", "s")
+AGAINST = TableColumn("against", "error: low-order against 3D, both ours", "%", "+.2f")
+SCENES = TableColumn("scenes", "scenes, or why there are none", "", "s")
 
 
 def printed_and_computed_table(
     layout: PrintedLayout,
-    found: Mapping[str, Evidence],
-    more: More,
-    why: Mapping[str, str],
-    columns: Sequence[str] = (),
+    evidence_by_name: Mapping[str, PrintedEntryComparison],
+    further_cells: More,
+    reasons_without_3d_value: Mapping[str, str],
+    names_without_row: Sequence[str] = (),
     note: str = "",
 ) -> Table:
     """Return the table that compares each number of a printed table with the computed values, with a row per number.
@@ -224,60 +236,60 @@ def printed_and_computed_table(
     ----------
     layout
         Layout of the printed table.
-    found
+    evidence_by_name
         Printed and computed values, by name of the printed number.
-    more
+    further_cells
         Further cells that are added to the rows, by name of the printed number.
-    why
+    reasons_without_3d_value
         Reason why no value by the 3D reference is shown, by name of the printed number.
-    columns
-        Names of printed numbers that ``more`` shows in cells of other rows; they get no row of their own.
+    names_without_row
+        Names of printed numbers that ``further_cells`` shows in cells of other rows; they get no row of their own.
     note
         Note below the table.
     """
-    further = dict.fromkeys(q for cells in more.values() for q in cells)
+    further = dict.fromkeys(q for cells in further_cells.values() for q in cells)
     rows: list[Row] = []
     remarks: dict[str, int] = {}
     for label, names in layout.rows:
         for head, name in zip(layout.columns, names, strict=True):
-            if name and name not in columns and found[name].printed.cls != "input":
-                f = found[name]
-                base = _printed_and_computed_row(layout, f, why.get(name, ""))
-                row = base | {q: None for q in further if q not in base} | more.get(name, {})
+            if name and name not in names_without_row and evidence_by_name[name].printed.entry_class != "input":
+                f = evidence_by_name[name]
+                base = _printed_and_computed_row(layout, f, reasons_without_3d_value.get(name, ""))
+                row = base | {q: None for q in further if q not in base} | further_cells.get(name, {})
                 reason = join_remarks(f.reason, _tolerance_band_text(f.printed))
                 remark = remarks.setdefault(reason, len(remarks) + 1) if reason else None
-                first: Row = {Quantity("label", "number", "", "s"): label or f.printed.label}
-                first[Quantity("column", "column", "", "s")] = "" if head == "Value" or not label else head
+                first: Row = {TableColumn("label", "number", "", "s"): label or f.printed.label}
+                first[TableColumn("column", "column", "", "s")] = "" if head == "Value" or not label else head
                 last: Row = {"verdict": f.verdict, "how": f"how-{f.printed.table}"}
-                rows.append(first | row | last | {Quantity("remark", "remark", "", "s"): remark})
+                rows.append(first | row | last | {TableColumn("remark", "remark", "", "s"): remark})
     notes = [note, *(f"{number}: {text}" for text, number in remarks.items())]
     title = f"{layout.heading}: printed and computed value of every number"
     text = "\n".join(filter(None, notes))
-    return Table.of(layout.stem("compared"), title, _drop_empty_columns(rows), text, unfolded=True)
+    return Table.from_rows(layout.stem("compared"), title, _drop_empty_columns(rows), text, unfolded=True)
 
 
-def _printed_and_computed_row(layout: PrintedLayout, evidence: Evidence, why: str) -> Row:
+def _printed_and_computed_row(layout: PrintedLayout, evidence: PrintedEntryComparison, reason_without_3d_value: str) -> Row:
     """Return the row of one printed number: printed value, computed values, and their errors against it [%].
 
-    ``evidence``: the printed number with its computed values. ``why``: text that is shown if there is no value by the 3D
-    reference.
+    ``evidence``: the printed number with its computed values. ``reason_without_3d_value``: text that is shown if there is
+    no value by the 3D reference.
     """
     p, form = evidence.printed, f"g{layout.significant_digits}"
     values = {
         "right": evidence.value,
         "faulty": evidence.as_printed,
-        "reading": evidence.reading,
+        "reading": evidence.value_by_inferred_assumption,
         "solid": evidence.reference,
     }
     off = {key: _percent_error_or_none(value, p.value) for key, value in values.items()}
     return {
-        PRINTED: f"{p.printed or p.claim} {p.unit}".rstrip(),
-        Quantity("right", "low-order, ours", "", form): _zero_if_round_off(evidence.value),
-        Quantity("faulty", "with the publication's errors", "", form): _zero_if_round_off(evidence.as_printed),
-        Quantity("reading", "with inferred assumption", "", form): evidence.reading,
+        PRINTED: f"{p.number_as_printed or p.claim} {p.unit}".rstrip(),
+        TableColumn("right", "low-order, ours", "", form): _zero_if_round_off(evidence.value),
+        TableColumn("faulty", "with the publication's errors", "", form): _zero_if_round_off(evidence.as_printed),
+        TableColumn("reading", "with inferred assumption", "", form): evidence.value_by_inferred_assumption,
         SOLID: f"{_zero_if_round_off(evidence.reference) or 0.0:.{layout.significant_digits}g}"
         if evidence.reference is not None
-        else why,
+        else reason_without_3d_value,
         OFF["right"]: off["right"],
         OFF["faulty"]: off["faulty"],
         OFF["reading"]: off["reading"],
@@ -286,10 +298,10 @@ def _printed_and_computed_row(layout: PrintedLayout, evidence: Evidence, why: st
     }
 
 
-def _tolerance_band_text(printed_number: Printed) -> str:
+def _tolerance_band_text(printed_number: PrintedEntry) -> str:
     """Return as text the tolerance band of a printed number and the origin of the band; empty without a band."""
     return (
-        f"Tolerance band: {printed_number.low:g} to {printed_number.high:g}. {printed_number.origin}"
+        f"Tolerance band: {printed_number.low:g} to {printed_number.high:g}. {printed_number.origin_of_limits}"
         if printed_number.low is not None and printed_number.high is not None
         else ""
     )
@@ -299,7 +311,7 @@ def _percent_error_or_none(value: float | None, reference: float | None) -> floa
     """Return the error of a value against a reference [%]; None if one of them is None, or if both are round-off."""
     if value is None or reference is None or max(abs(value), abs(reference)) < 1e-9:
         return None
-    return finite_error_or_none(float(error_percent(value, reference)))
+    return shown_error_or_none(float(error_percent(value, reference)))
 
 
 def _zero_if_round_off(value: float | None) -> float | None:
@@ -314,52 +326,58 @@ def _drop_empty_columns(rows: Sequence[Row]) -> list[Row]:
     return [{q: row.get(q) for q in order if q in filled} for row in rows]
 
 
-def input_data_table(layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
+def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, PrintedEntryComparison]) -> Table:
     """Return the table of the inputs in a printed table: printed value, value used in the scene, remark.
 
     Parameters
     ----------
     layout
         Layout of the printed table.
-    found
+    evidence_by_name
         Printed values and values used in the scene, by name of the printed number.
     """
     rows: list[Row] = [
         {
-            Quantity("label", "parameter (symbol)", "", "s"): label,
-            Quantity("printed", "printed value", "", "s"): f.printed.printed,
-            Quantity("unit", "unit", "", "s"): f.printed.unit,
-            Quantity("scene", "value in the scene", "", "s"): format_like_printed_number(f.value, f.printed.printed),
-            Quantity("name", "scene", "", "s"): ", ".join(all_computations()[f.printed.table].origin(f.printed)[0]),
+            TableColumn("label", "parameter (symbol)", "", "s"): label,
+            TableColumn("printed", "printed value", "", "s"): f.printed.number_as_printed,
+            TableColumn("unit", "unit", "", "s"): f.printed.unit,
+            TableColumn("scene", "value in the scene", "", "s"): format_like_printed_number(
+                f.value, f.printed.number_as_printed
+            ),
+            TableColumn("name", "scene", "", "s"): ", ".join(
+                all_computations()[f.printed.table].scenes_or_reason(f.printed)[0]
+            ),
             "verdict": f.verdict,
             "how": f"how-{f.printed.table}",
-            Quantity("remark", "remark", "", "s"): f.reason,
+            TableColumn("remark", "remark", "", "s"): f.reason,
         }
         for label, (name,) in layout.rows
-        for f in (found[name],)
+        for f in (evidence_by_name[name],)
     ]
-    return Table.of(layout.stem(), layout.title, rows, unfolded=True)
+    return Table.from_rows(layout.stem(), layout.title, rows, unfolded=True)
 
 
-def computation_tables(tables: Iterable[str]) -> Iterator[Table]:
+def tables_on_computation_of_numbers(file_names: Iterable[str]) -> Iterator[Table]:
     """Yield, for each file of printed numbers, a table that states how the numbers are computed.
 
-    It has scenes, function, test and command. ``tables``: names of the files.
+    It has scenes, function, test and command. ``file_names``: names of the files.
     """
-    for name in tables:
+    for name in file_names:
         one = all_computations()[name]
-        places = ", ".join(sorted({row.place.partition(", ")[2] for row in load_table(name)}, key=_sort_key_of_place))
+        places = ", ".join(
+            sorted({row.place.partition(", ")[2] for row in load_printed_table(name)}, key=_sort_key_of_place)
+        )
         rows: list[Row] = [
             {
-                Quantity("keys", "keys of printed numbers", "", "s"): pattern,
+                TableColumn("keys", "keys of printed numbers", "", "s"): pattern,
                 SCENES: behind if isinstance(behind, str) else ", ".join(behind),
-                Quantity("function", "computed by", "", "s"): one.function_name,
-                Quantity("test", "tested in", "", "s"): one.test or "–",
-                Quantity("command", "recomputed by", "", "s"): f"rollbench check --printed --only {name}",
+                TableColumn("function", "computed by", "", "s"): one.function_name,
+                TableColumn("test", "tested in", "", "s"): one.test_file or "–",
+                TableColumn("command", "recomputed by", "", "s"): f"rollbench check --printed --only {name}",
             }
-            for pattern, behind in one.behind
+            for pattern, behind in one.scenes_or_reason_by_key_pattern
         ]
-        yield Table.of(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
+        yield Table.from_rows(f"how-{name}", f"How the numbers of {name} are computed ({places})", rows)
 
 
 def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
@@ -373,25 +391,27 @@ def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
     return letter is not None, [*numbers[:1], int(in_text), *numbers[1:]], text
 
 
-def reproduced_counts_table(found: Sequence[Evidence], name: str = "printed-by-table", *, unfolded: bool = False) -> Table:
+def counts_of_reproduced_numbers_table(
+    entries: Sequence[PrintedEntryComparison], name: str = "printed-by-table", *, unfolded: bool = False
+) -> Table:
     """Return the table that counts, for each table and section of the publications, printed and reproduced numbers.
 
     Parameters
     ----------
-    found
+    entries
         Printed and computed values.
     name
         File name of the table in the report.
     unfolded
         Whether the table is shown in full length.
     """
-    groups: dict[str, list[Evidence]] = {}
-    for f in found:
+    groups: dict[str, list[PrintedEntryComparison]] = {}
+    for f in entries:
         groups.setdefault(publication_title_of(f.printed), []).append(f)
     rows = []
     for title, of_source in groups.items():
         rows.append(_reproduced_counts_row(f"{title}, all", of_source))
-        places: dict[str, list[Evidence]] = {}
+        places: dict[str, list[PrintedEntryComparison]] = {}
         for f in of_source:
             places.setdefault(f.printed.place, []).append(f)
         rows += [_reproduced_counts_row(place, places[place]) for place in sorted(places, key=_sort_key_of_place)]
@@ -399,7 +419,7 @@ def reproduced_counts_table(found: Sequence[Evidence], name: str = "printed-by-t
         "A result is a printed number that is neither an input, nor an identity, nor zero by symmetry; only results can be "
         "reproduced. The table printed shows every number."
     )
-    return Table.of(
+    return Table.from_rows(
         name,
         "Number of printed values in each table and section of the publications, and how many are reproduced",
         rows,
@@ -408,32 +428,32 @@ def reproduced_counts_table(found: Sequence[Evidence], name: str = "printed-by-t
     )
 
 
-def _reproduced_counts_row(place: str, found: Sequence[Evidence]) -> Row:
-    """Return the row of `reproduced_counts_table` for one table or section of a publication.
+def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]) -> Row:
+    """Return the row of `counts_of_reproduced_numbers_table` for one table or section of a publication.
 
-    ``place``: text in the first cell. ``found``: printed numbers and claims of the table or section, with their verdicts.
+    ``place``: text in the first cell. ``entries``: printed numbers and claims of the table or section, with their verdicts.
     """
-    numbers = [f for f in found if not f.printed.claim]
-    claims = [f for f in found if f.printed.claim]
+    numbers = [f for f in entries if not f.printed.claim]
+    claims = [f for f in entries if f.printed.claim]
     tally = Counter(f.verdict for f in numbers)
     borne = sum(f.verdict in ("reproduced", "band") for f in claims)
     return {
-        Quantity("place", "publication, table or section", "", "s"): place,
-        Quantity("printed", "printed values", "", "s"): len(numbers),
-        Quantity("inputs", "inputs", "", "s"): tally["input"],
-        Quantity("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
-        Quantity("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
-        Quantity("reproduced", "reproduced", "", "s"): tally["reproduced"],
-        Quantity("faulty", "only with the publication's error", "", "s"): tally["only as printed"],
-        Quantity("band", "within a tolerance band", "", "s"): tally["band"],
-        Quantity("contradicted", "contradicted", "", "s"): tally["contradicted"],
-        Quantity("open", "not identifiable", "", "s"): tally["not identifiable"],
-        Quantity("claims", "claims confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
+        TableColumn("place", "publication, table or section", "", "s"): place,
+        TableColumn("printed", "printed values", "", "s"): len(numbers),
+        TableColumn("inputs", "inputs", "", "s"): tally["input"],
+        TableColumn("identities", "identities, zeros by symmetry", "", "s"): tally["identity"],
+        TableColumn("results", "results", "", "s"): len(numbers) - tally["input"] - tally["identity"],
+        TableColumn("reproduced", "reproduced", "", "s"): tally["reproduced"],
+        TableColumn("faulty", "only with the publication's error", "", "s"): tally["only as printed"],
+        TableColumn("band", "within a tolerance band", "", "s"): tally["band"],
+        TableColumn("contradicted", "contradicted", "", "s"): tally["contradicted"],
+        TableColumn("open", "not identifiable", "", "s"): tally["not identifiable"],
+        TableColumn("claims", "claims confirmed", "", "s"): f"{borne} of {len(claims)}" if claims else "",
     }
 
 
 def tables_of_printed_numbers(
-    printed: Sequence[str], listed: Sequence[PrintedLayout], found: Mapping[str, Evidence]
+    number_files: Sequence[str], layouts: Sequence[PrintedLayout], evidence_by_name: Mapping[str, PrintedEntryComparison]
 ) -> Iterator[Table]:
     """Yield the report's tables of all numbers of a publication that certain files of printed numbers contain.
 
@@ -442,24 +462,28 @@ def tables_of_printed_numbers(
 
     Parameters
     ----------
-    printed
+    number_files
         Names of the files of printed numbers.
-    listed
+    layouts
         Layouts of the publication's printed tables.
-    found
+    evidence_by_name
         Printed and computed values, by name of the printed number.
     """
-    for layout in listed:
-        if layout.printed in printed:
-            yield side_by_side_table_of_layout(layout, found, {})
-            if any(found[name].printed.cls != "input" for name in layout.names):
-                yield replace(printed_and_computed_table(layout, found, {}, {}), unfolded=False)
-    laid = {name for layout in listed for name in layout.names}
-    rest = [f.printed for f in found.values() if f.printed.table in printed and f.printed.name not in laid]
+    for layout in layouts:
+        if layout.printed in number_files:
+            yield printed_and_computed_table_in_layout(layout, evidence_by_name, {})
+            if any(evidence_by_name[name].printed.entry_class != "input" for name in layout.names):
+                yield replace(printed_and_computed_table(layout, evidence_by_name, {}, {}), unfolded=False)
+    laid = {name for layout in layouts for name in layout.names}
+    rest = [f.printed for f in evidence_by_name.values() if f.printed.table in number_files and f.printed.name not in laid]
     for what in ("inputs", "numbers and claims"):
-        of = [p for p in rest if (p.cls == "input") == (what == "inputs")]
+        of = [p for p in rest if (p.entry_class == "input") == (what == "inputs")]
         rows = tuple((f"{p.label} ({p.place.partition(', ')[2]})", (p.name,)) for p in of)
         if rows:
             title = f"{what[:1].upper()}{what[1:]} of the text"
-            layout = PrintedLayout(printed[-1], "text", title, title, printed[-1], "sentences", ("Value",), rows)
-            yield input_data_table(layout, found) if what == "inputs" else printed_and_computed_table(layout, found, {}, {})
+            layout = PrintedLayout(number_files[-1], "text", title, title, number_files[-1], "sentences", ("Value",), rows)
+            yield (
+                printed_input_table(layout, evidence_by_name)
+                if what == "inputs"
+                else printed_and_computed_table(layout, evidence_by_name, {}, {})
+            )

@@ -8,11 +8,11 @@ from functools import cache
 from typing import Any
 
 from rollbench.compare import files
-from rollbench.compare.models.study import Study
-from rollbench.compare.studies.sweep.keys import VariedKey, read_vary
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.studies.sweep.keys import VariedKey, read_varied_keys
 from rollbench.compare.studies.sweep.run import figures_from_sweep_summary
 from rollbench.compare.studies.sweep.sample import MAIN
-from rollbench.reports.content import Cell, Quantity, Section, Table, Text
+from rollbench.reports.content import Cell, Section, Table, TableColumn, Text
 
 #: Shipped summary of the tolerance sweep (``summary.json``); it states the command that computed it.
 TOLERANCES = "studies/sweep/tolerances-case3.json"
@@ -27,48 +27,48 @@ WORDS = {
 
 
 @cache
-def stored_sweep() -> dict[str, Any]:
+def stored_tolerance_sweep() -> dict[str, Any]:
     """Return the shipped summary of the tolerance sweep of Lin's case 3: outputs, main effects and Sobol indices."""
-    found: dict[str, Any] = json.loads(files.text(TOLERANCES))
+    found: dict[str, Any] = json.loads(files.shipped_text(TOLERANCES))
     return found
 
 
-def sweep_command(found: Mapping[str, Any]) -> str:
+def sweep_command(sweep_summary: Mapping[str, Any]) -> str:
     """Return the ``rollbench sweep`` command line that computes a sweep again.
 
-    ``found``: stored summary of the sweep, which contains scene, varied parameters and options.
+    ``sweep_summary``: stored summary of the sweep, which contains scene, varied parameters and options.
     """
-    vary = "".join(f' --vary "{text}"' for text in found["vary"])
-    options = "".join(f" --{name} {found[name]}" for name in ("samples", "method", "seed", "model"))
-    return f"rollbench sweep {found['scene'].removesuffix('.toml')}{vary}{options}"
+    vary = "".join(f' --vary "{text}"' for text in sweep_summary["vary"])
+    options = "".join(f" --{name} {sweep_summary[name]}" for name in ("samples", "method", "seed", "model"))
+    return f"rollbench sweep {sweep_summary['scene'].removesuffix('.toml')}{vary}{options}"
 
 
-def short_tolerance_name(vary: VariedKey) -> str:
+def short_tolerance_name(tolerance: VariedKey) -> str:
     """Return the short name of a varied tolerance, such as "ball grade"."""
-    return tolerance_description(vary).partition(":")[0]
+    return tolerance_description(tolerance).partition(":")[0]
 
 
-def tolerance_description(vary: VariedKey) -> str:
+def tolerance_description(tolerance: VariedKey) -> str:
     """Return the description of a varied tolerance, such as "misalignment: offset of the right end"."""
-    return next((text for start, text in WORDS.items() if vary.key.startswith(start)), vary.name)
+    return next((text for start, text in WORDS.items() if tolerance.key.startswith(start)), tolerance.short_name)
 
 
-def _tolerance_name(row: Mapping[str, Cell]) -> str:
+def _capitalised_tolerance_name(row: Mapping[str, Cell]) -> str:
     """Return the tolerance's short name, such as "Ball grade", from a row of `tolerance_effect_rows`."""
     return str(row["key"]).partition(":")[0].capitalize()
 
 
-def tolerance_effect_rows(keys: Sequence[VariedKey], found: Mapping[str, Any]) -> list[dict[str, Cell]]:
+def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mapping[str, Any]) -> list[dict[str, Cell]]:
     """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
-    ``keys``: varied tolerances with their ranges. ``found``: summary of the sweep. Each row has the varied range; the
-    smallest and largest mean of the largest contact load over this range [N]; and the first and total Sobol index with
-    their confidence intervals.
+    ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the varied
+    range; the smallest and largest mean of the largest contact load over this range [N]; and the first and total Sobol
+    index with their confidence intervals.
     """
-    indices = found["indices"]["outputs"][MAIN]
+    indices = sweep_summary["indices"]["outputs"][MAIN]
     rows: list[dict[str, Cell]] = []
-    for vary in sorted(keys, key=lambda v: -indices[v.key]["total"]):
-        means = [g["mean"] for g in found["main_effects"][vary.key]]
+    for vary in sorted(tolerances, key=lambda v: -indices[v.key]["total"]):
+        means = [g["mean"] for g in sweep_summary["main_effects"][vary.key]]
         row = indices[vary.key]
         rows.append(
             {
@@ -83,15 +83,15 @@ def tolerance_effect_rows(keys: Sequence[VariedKey], found: Mapping[str, Any]) -
     return rows
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section on the effect of each tolerance on the largest contact load in case 3 of Lin's thesis.
 
-    ``study``: collects the scenes that the report uses. ``step`` is called with each line of progress.
+    ``cache``: collects the scenes that the report uses. ``step`` is called with each line of progress.
     """
     step("stored sweep of tolerances")
-    found = stored_sweep()
-    study.record_used_scenes((found["scene"].removesuffix(".toml"),))
-    keys = read_vary(found["vary"])
+    found = stored_tolerance_sweep()
+    cache.record_used_scenes((found["scene"].removesuffix(".toml"),))
+    keys = read_varied_keys(found["vary"])
     rows = tolerance_effect_rows(keys, found)
     load = found["outputs"][MAIN]
     luck = next(row for row in rows if row["range"] == "any")
@@ -99,8 +99,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     conclusion = (
         f"On {found['converged']} screws with random errors within tolerances, the largest contact load is "
         f"{load['mean']:.0f} N on average and exceeds {load['quantile_0.95']:.0f} N on one screw in twenty. "
-        f"{_tolerance_name(first)} has the largest effect (total Sobol index {first['total']:.2f}), then "
-        f"{_tolerance_name(second).lower()} ({second['total']:.2f}); chance, the random errors within the same tolerances, "
+        f"{_capitalised_tolerance_name(first)} has the largest effect (total Sobol index {first['total']:.2f}), then "
+        f"{_capitalised_tolerance_name(second).lower()} ({second['total']:.2f}); chance, the random errors within the "
+        "same tolerances, "
         f"has an index of {luck['total']:.2f}."
     )
     text = (
@@ -113,14 +114,14 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         f"Computed by: {sweep_command(found)}.",
     )
     columns = (
-        Quantity("key", "tolerance", "", "s"),
-        Quantity("range", "range", "", "s"),
-        Quantity("low", "mean of the largest load, smallest", "N", "g4"),
-        Quantity("high", "mean of the largest load, largest", "N", "g4"),
-        Quantity("first", "first Sobol index", "", ".2f"),
-        Quantity("first_band", "interval of the first index", "", "s"),
-        Quantity("total", "total Sobol index", "", ".2f"),
-        Quantity("total_band", "interval of the total index", "", "s"),
+        TableColumn("key", "tolerance", "", "s"),
+        TableColumn("range", "range", "", "s"),
+        TableColumn("low", "mean of the largest load, smallest", "N", "g4"),
+        TableColumn("high", "mean of the largest load, largest", "N", "g4"),
+        TableColumn("first", "first Sobol index", "", ".2f"),
+        TableColumn("first_band", "interval of the first index", "", "s"),
+        TableColumn("total", "total Sobol index", "", ".2f"),
+        TableColumn("total_band", "interval of the total index", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = figures_from_sweep_summary("tolerances", keys, found, short_tolerance_name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollbench.compare.evidence import (
     APART,
-    Evidence,
+    PrintedEntryComparison,
     count_entries_by_verdict,
     evidence_of_all_tables,
     join_remarks,
@@ -21,9 +21,9 @@ from rollbench.compare.evidence import (
     uncompared_number_rows,
 )
 from rollbench.compare.evidence import count_entries_by_verdict as audited_counts
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import KINDS, VERDICTS
-from rollbench.reports.content import Cell, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Cell, Row, Section, Table, TableColumn, Text
 
 #: A remark that occurs in more table rows than this is stated once, in the note, and replaced by its number.
 SHARED = 2
@@ -35,7 +35,13 @@ FAULTS = "With errors repeated: computed with the errors of the publication; emp
 
 
 def printed_numbers_table(
-    name: str, title: str, found: Sequence[Evidence], note: str = "", *, digits: int = 5, with_place: bool = False
+    name: str,
+    title: str,
+    entries: Sequence[PrintedEntryComparison],
+    note: str = "",
+    *,
+    digits: int = 5,
+    with_place: bool = False,
 ) -> Table:
     """Return the table of printed numbers and claims, each with computed values, error, class, verdict and remark.
 
@@ -47,7 +53,7 @@ def printed_numbers_table(
         File name of the table in the report.
     title
         Title of the table.
-    found
+    entries
         Printed and computed values.
     note
         Note below the table.
@@ -57,12 +63,14 @@ def printed_numbers_table(
         Whether all numbers are listed, with a column for their place in the publication. If not, inputs, which test no
         model, are left out, and the place is added to the label only where it differs from that of most numbers.
     """
-    given = 0 if with_place else sum(f.verdict == "input" for f in found)
-    found = [f for f in found if f.verdict != "input"] if given else found
-    columns = _columns_of_printed_table(found, digits, with_place)
-    usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
+    given = 0 if with_place else sum(f.verdict == "input" for f in entries)
+    entries = [f for f in entries if f.verdict != "input"] if given else entries
+    columns = _columns_of_printed_table(entries, digits, with_place)
+    usual = Counter(f.printed.place for f in entries).most_common(1)[0][0]
     keys = [c.key for c in columns]
-    rows = [{key: cells[key] for key in keys} for cells in (_cells_of_printed_number(f, usual, with_place) for f in found)]
+    rows = [
+        {key: cells[key] for key in keys} for cells in (_cells_of_printed_number(f, usual, with_place) for f in entries)
+    ]
     common = _replace_remarks_by_numbers(rows)
     notes = [note, FAULTS if "as_printed" in keys else ""]
     notes += [f"The {given} inputs are listed in the table printed."] if given else []
@@ -70,32 +78,37 @@ def printed_numbers_table(
     return Table(name, title, columns, rows, " ".join(sentence for sentence in notes if sentence))
 
 
-def _columns_of_printed_table(found: Sequence[Evidence], digits: int, with_place: bool) -> tuple[Quantity, ...]:
+def _columns_of_printed_table(
+    entries: Sequence[PrintedEntryComparison], digits: int, with_place: bool
+) -> tuple[TableColumn, ...]:
     """Return those columns of `printed_numbers_table` that have a value for at least one of the listed numbers.
 
-    ``found``: printed and computed values. ``digits``: number of significant digits of computed values. ``with_place``:
+    ``entries``: printed and computed values. ``digits``: number of significant digits of computed values. ``with_place``:
     whether there is a column for the place in the publication.
     """
     form = f"g{digits}"
-    faulty, inferred = any(f.as_printed is not None for f in found), any(f.reading is not None for f in found)
+    faulty, inferred = (
+        any(f.as_printed is not None for f in entries),
+        any(f.value_by_inferred_assumption is not None for f in entries),
+    )
     wanted = (
-        (True, Quantity("label", "quantity or claim", "", "s")),
-        (with_place, Quantity("place", "place", "", "s")),
-        (True, Quantity("verdict", "verdict", "", "s")),
-        (True, Quantity("class", "class", "", "s")),
-        (True, Quantity("unit", "unit", "", "s")),
-        (True, Quantity("printed", "printed", "", "s")),
-        (faulty, Quantity("as_printed", "computed, with errors repeated", "", form)),
-        (True, Quantity("right", "computed, correct", "", form)),
-        (True, Quantity("error", "error against printed", "%", "g3")),
-        (inferred, Quantity("reading", "computed, with inferred assumption", "", form)),
-        (inferred, Quantity("reading_error", "error with inferred assumption", "%", ".2f")),
-        (True, Quantity("remark", "remark", "", "s")),
+        (True, TableColumn("label", "quantity or claim", "", "s")),
+        (with_place, TableColumn("place", "place", "", "s")),
+        (True, TableColumn("verdict", "verdict", "", "s")),
+        (True, TableColumn("class", "class", "", "s")),
+        (True, TableColumn("unit", "unit", "", "s")),
+        (True, TableColumn("printed", "printed", "", "s")),
+        (faulty, TableColumn("as_printed", "computed, with errors repeated", "", form)),
+        (True, TableColumn("right", "computed, correct", "", form)),
+        (True, TableColumn("error", "error against printed", "%", "g3")),
+        (inferred, TableColumn("reading", "computed, with inferred assumption", "", form)),
+        (inferred, TableColumn("reading_error", "error with inferred assumption", "%", ".2f")),
+        (True, TableColumn("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
 
 
-def _cells_of_printed_number(evidence: Evidence, usual_place: str, with_place: bool) -> dict[str, Cell]:
+def _cells_of_printed_number(evidence: PrintedEntryComparison, usual_place: str, with_place: bool) -> dict[str, Cell]:
     """Return the cells of `printed_numbers_table` for one printed number or claim, by key of the column.
 
     ``evidence``: the printed number with its computed values. ``usual_place``: place in the publication of most numbers; a
@@ -108,21 +121,21 @@ def _cells_of_printed_number(evidence: Evidence, usual_place: str, with_place: b
         "label": (p.claim or p.label) + where,
         "place": section,
         "unit": p.unit,
-        "printed": p.printed or "–",
+        "printed": p.number_as_printed or "–",
         "as_printed": evidence.as_printed,
-        "reading": evidence.reading,
+        "reading": evidence.value_by_inferred_assumption,
         "right": 0.0
         if p.value == 0.0 and abs(evidence.value or 0.0) < ROUND_OFF and evidence.value is not None
         else evidence.value,
-        "reading_error": finite_error_or_none(evidence.reading_error_percent),
-        "error": finite_error_or_none(evidence.error_percent),
-        "class": p.cls,
+        "reading_error": shown_error_or_none(evidence.reading_error_percent),
+        "error": shown_error_or_none(evidence.error_percent),
+        "class": p.entry_class,
         "verdict": evidence.verdict,
-        "remark": join_remarks(evidence.words, p.remark, p.origin and f"Tolerance band: {p.origin}"),
+        "remark": join_remarks(evidence.remark, p.remark, p.origin_of_limits and f"Tolerance band: {p.origin_of_limits}"),
     }
 
 
-def finite_error_or_none(error: float | None) -> float | None:
+def shown_error_or_none(error: float | None) -> float | None:
     """Return an error [%] for a table cell: None if it is infinite (printed number of 0), and 0 if it is round-off."""
     if error is None or not np.isfinite(error):
         return None
@@ -154,46 +167,46 @@ INFERRED = (
 )
 
 
-def verdict_counts_sentence(rows: Sequence[Evidence]) -> str:
+def verdict_counts_sentence(entries: Sequence[PrintedEntryComparison]) -> str:
     """Return the sentences that count the numbers and claims in publications by verdict, and reproduced ones by kind.
 
-    ``rows``: printed numbers and claims with their verdicts.
+    ``entries``: printed numbers and claims with their verdicts.
     """
-    total = audited_counts(rows)[-1]
-    kinds = Counter(r.printed.kind for r in rows if r.verdict == "reproduced")
+    total = audited_counts(entries)[-1]
+    kinds = Counter(r.printed.kind for r in entries if r.verdict == "reproduced")
     parts = " and ".join(f"{n} {PLURALS.get(KINDS[kind], KINDS[kind])}" for kind, n in kinds.most_common())
     words = ", ".join(f"{total[v]} {'in a tolerance band' if v == 'band' else v}" for v in VERDICTS)
     return f"Of {total['all']} numbers and claims printed in publications: {words}. Among the reproduced ones are {parts}."
 
 
-def counts_by_kind_table(rows: Sequence[Evidence]) -> Table:
+def counts_by_kind_table(entries: Sequence[PrintedEntryComparison]) -> Table:
     """Return the table that counts the printed numbers and claims by kind and verdict.
 
-    Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``rows``:
+    Kinds are computed numbers, claims in words, arithmetic on printed numbers, zeros by symmetry, and inputs. ``entries``:
     printed numbers and claims with their verdicts.
     """
-    tally = Counter((r.printed.kind, r.verdict) for r in rows)
+    tally = Counter((r.printed.kind, r.verdict) for r in entries)
     cells: list[Row] = [
         {
             "kind": words,
             **{str(v): tally[kind, v] for v in VERDICTS},
-            Quantity("all", "all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
+            TableColumn("all", "all", "", "s"): sum(tally[kind, v] for v in VERDICTS),
         }
         for kind, words in KINDS.items()
     ]
-    return Table.of("kinds", "Count of the numbers and claims printed in publications, by kind and verdict", cells)
+    return Table.from_rows("kinds", "Count of the numbers and claims printed in publications, by kind and verdict", cells)
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that lists every printed number and claim with its computed value and verdict.
 
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim")
-    audited = evidence_of_all_tables(study)
-    tally: dict[tuple[str, str], int] = Counter((r.printed.cls, r.verdict) for r in audited)
+    audited = evidence_of_all_tables(cache)
+    tally: dict[tuple[str, str], int] = Counter((r.printed.entry_class, r.verdict) for r in audited)
     rows: list[Row] = [
-        {"class": c, "verdict": v, Quantity("count", "number", "", "s"): n} for (c, v), n in sorted(tally.items())
+        {"class": c, "verdict": v, TableColumn("count", "number", "", "s"): n} for (c, v), n in sorted(tally.items())
     ]
     return Section(
         "verdicts",
@@ -207,7 +220,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
                     ),
                 )
             ),
-            Table.of("verdicts", "Count of the numbers and claims printed in publications, by class and verdict", rows),
+            Table.from_rows(
+                "verdicts", "Count of the numbers and claims printed in publications, by class and verdict", rows
+            ),
             counts_by_kind_table(audited),
             printed_numbers_table(
                 "printed",
@@ -220,30 +235,30 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def make_text_columns(*columns: tuple[str, str]) -> tuple[Quantity, ...]:
+def text_columns_of_table(*columns: tuple[str, str]) -> tuple[TableColumn, ...]:
     """Return table columns that contain texts, from pairs of column key and heading."""
-    return tuple(Quantity(key, label, "", "s") for key, label in columns)
+    return tuple(TableColumn(key, label, "", "s") for key, label in columns)
 
 
-def counts_by_publication_table(rows: Sequence[Evidence]) -> Table:
+def counts_by_publication_table(entries: Sequence[PrintedEntryComparison]) -> Table:
     """Return the table that counts the printed numbers and claims by publication and verdict.
 
-    ``rows``: printed numbers and claims with their verdicts.
+    ``entries``: printed numbers and claims with their verdicts.
     """
     headings = [(v, f"{v}, not judged" if v in APART else v) for v in VERDICTS]
-    columns = make_text_columns(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
+    columns = text_columns_of_table(("source", "publication"), *headings, ("judged", "judged"), ("all", "all"))
     note = "Judged: all except inputs and identities, which do not test a model."
     title = "Count of the numbers and claims printed in each publication, by verdict"
-    return Table("audit-counts", title, columns, count_entries_by_verdict(rows), note)
+    return Table("audit-counts", title, columns, count_entries_by_verdict(entries), note)
 
 
-def misprints_table(case: str = "") -> Table:
+def misprints_table(case_name: str = "") -> Table:
     """Return the table of misprints and errors in one publication or in all.
 
-    ``case``: name of the publication's case, such as "lin"; empty: all publications.
+    ``case_name``: name of the publication's case, such as "lin"; empty: all publications.
     """
-    columns = make_text_columns(
-        *(() if case else (("source", "publication"),)),
+    columns = text_columns_of_table(
+        *(() if case_name else (("source", "publication"),)),
         ("place", "place"),
         ("wrong", "as printed"),
         ("right", "correct"),
@@ -251,25 +266,25 @@ def misprints_table(case: str = "") -> Table:
         ("command", "command that shows it"),
         ("test", "test"),
     )
-    rows = [row for row in misprint_rows() if row["source"] == case or not case]
+    rows = [row for row in misprint_rows() if row["source"] == case_name or not case_name]
     return Table(
-        f"{case or 'audit'}-misprints",
+        f"{case_name or 'audit'}-misprints",
         "Misprints in the publications, each with a command that shows it and a test that checks it",
         columns,
         rows,
     )
 
 
-def audit_section(study: Study, step: Callable[[str], None]) -> Section:
+def audit_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that counts reproduced and contradicted numbers of each publication, and lists all misprints.
 
     ``step`` is called with each line of progress.
     """
     step("every printed number and claim, by publication")
-    rows = evidence_of_all_tables(study)
+    rows = evidence_of_all_tables(cache)
     words = [reproduction_sentence(row) for row in count_entries_by_verdict(rows)]
     meanings = [f"{verdict}: {text}." for verdict, text in VERDICTS.items()]
-    missing = make_text_columns(
+    missing = text_columns_of_table(
         ("source", "publication"),
         ("place", "place"),
         ("what", "contents"),

@@ -11,21 +11,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import Reference
 from rollbench.compare.studies.crosscheck.results import (
     COLUMNS,
     CalculixRunsOfScene,
-    Extrapolation,
+    LoadExtrapolation,
     agreement_sentence,
     columns_of_load_table,
     compare_contact_loads,
     extrapolate_loads,
-    load_results,
+    load_calculix_results,
     mesh_options_of_run,
-    shipped_results,
+    shipped_results_folder,
 )
-from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut
+from rollbench.compare.studies.crosscheck.study import STUDIES, digest_of_shipped_scene, load_nut_compliance
 from rollbench.hifi.contact.block import (
     ALONG,
     BALL,
@@ -34,11 +34,11 @@ from rollbench.hifi.contact.block import (
     SOURCE_COARSE,
     SOURCE_FINE,
     SOURCE_RADIUS,
-    HertzRun,
+    HertzContactSolution,
     solve_hertz_contact_on_lin_mesh,
 )
 from rollbench.hifi.contact.block import solve_hertz_contact as solve_block
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 #: Numbers of cells across the short semi-axis of the contact ellipse, by element type, for a total of 25 s on two cores.
 #: Tetrahedra are not stretched like the ellipse, so P2 with 6 cells would take as long as all other meshes together.
@@ -68,27 +68,29 @@ class HertzComputation:
     """Finite-element computation of one Hertz contact on one 3D mesh, with its errors against the closed form."""
 
     #: Label of the mesh: its element type, or that it has Lin's element sizes.
-    label: str
+    mesh_label: str
     #: Computed contact: approach, semi-axes, pressures, number of unknowns and times.
-    run: HertzRun
+    computed: HertzContactSolution
     #: Error against Hertz theory by name of the quantity [%].
-    errors: Mapping[str, float]
+    error_percents: Mapping[str, float]
 
 
-def errors_of_hertz_run(label: str, run: HertzRun) -> HertzComputation:
+def hertz_computation_with_errors(label: str, run: HertzContactSolution) -> HertzComputation:
     """Return a computed Hertz contact together with its errors against the closed form [%].
 
     ``label``: label of the mesh. ``run``: the computed contact. The error "semi-axes" is the larger of the errors of both
     semi-axes.
     """
-    exact = run.exact
-    values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.pole_fitted
+    exact = run.hertz_solution
+    values = run.approach, run.semi_x, run.semi_y, run.pole_pressure, run.fitted_pole_pressure
     closed = exact.approach, exact.semi_x, exact.semi_y, exact.pole_pressure, exact.pole_pressure
     errors = dict(zip(ERRORS, error_percent(values, closed).tolist(), strict=True))
     return HertzComputation(label, run, errors | {"semi-axes": max(errors["semi-axis a"], errors["semi-axis b"], key=abs)})
 
 
-def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[HertzComputation]:
+def compute_hertz_contacts(
+    step: Callable[[str], None], cell_counts: Mapping[str, Sequence[float]]
+) -> list[HertzComputation]:
     """Compute both Hertz contacts in 3D on meshes of every element type, and on a mesh like that of Lin's thesis.
 
     The contacts are a ball on a flat and a ball in a groove.
@@ -97,64 +99,72 @@ def compute_hertz_contacts(step: Callable[[str], None], wanted: Mapping[str, Seq
     ----------
     step
         Called with each line of progress.
-    wanted
+    cell_counts
         Numbers of cells across the short semi-axis of the contact ellipse, by element type; one mesh for each.
     """
-    for element in wanted:
+    for element in cell_counts:
         solve_block(JOBS["A"], element, 1.0)  # loads the libraries, so that no timed run includes this
     out = []
     for job in JOBS.values():
-        for element, refinements in wanted.items():
+        for element, refinements in cell_counts.items():
             step(f"job {job.name}, {NAMES[element]}")
-            out += [errors_of_hertz_run(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
-        out.append(errors_of_hertz_run(SOURCE, solve_hertz_contact_on_lin_mesh(job)))
+            out += [hertz_computation_with_errors(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
+        out.append(hertz_computation_with_errors(SOURCE, solve_hertz_contact_on_lin_mesh(job)))
     return out
 
 
-def computations_on_production_mesh(found: Sequence[HertzComputation]) -> list[HertzComputation]:
+def computations_on_production_mesh(computations: Sequence[HertzComputation]) -> list[HertzComputation]:
     """Return the computations on the mesh `PRODUCTION`, which the 3D reference uses, one for each Hertz contact.
 
-    ``found``: computations on all meshes.
-    """
-    return [one for one in found if (one.run.element, one.run.b_over_h) == PRODUCTION and one.label != SOURCE]
-
-
-def error_target_sentences(found: Sequence[HertzComputation]) -> list[str]:
-    """Return sentences on whether the mesh `PRODUCTION` meets its error targets, and on the errors of Lin's mesh.
-
-    ``found``: computations of each Hertz contact on all meshes.
+    ``computations``: computations on all meshes.
     """
     return [
-        *map(_error_target_sentence, computations_on_production_mesh(found)),
-        *(_lin_mesh_error_sentence(one) for one in found if one.label == SOURCE),
+        one
+        for one in computations
+        if (one.computed.element, one.computed.b_over_h) == PRODUCTION and one.mesh_label != SOURCE
     ]
 
 
-def _error_target_sentence(one: HertzComputation) -> str:
+def error_target_sentences(computations: Sequence[HertzComputation]) -> list[str]:
+    """Return sentences on whether the mesh `PRODUCTION` meets its error targets, and on the errors of Lin's mesh.
+
+    ``computations``: computations of each Hertz contact on all meshes.
+    """
+    return [
+        *map(_error_target_sentence, computations_on_production_mesh(computations)),
+        *(_lin_mesh_error_sentence(one) for one in computations if one.mesh_label == SOURCE),
+    ]
+
+
+def _error_target_sentence(computation: HertzComputation) -> str:
     """Return the sentence that states the errors against Hertz on the mesh `PRODUCTION`, and if they are within `TARGETS`.
 
-    ``one``: computation of one Hertz contact on this mesh.
+    ``computation``: computation of one Hertz contact on this mesh.
     """
-    missed = [name for name, most in TARGETS.items() if not abs(one.errors[name]) <= most]
+    missed = [name for name, most in TARGETS.items() if not abs(computation.error_percents[name]) <= most]
     parts = [
-        f"{name} {one.errors[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
+        f"{name} {computation.error_percents[name]:+.2f} % ({'NOT within' if name in missed else 'within'} {most} %)"
         for name, most in TARGETS.items()
     ]
     return (
-        f"Job {one.run.job}, {WHAT[one.run.job]}, production mesh of {one.run.unknowns} unknowns: {', '.join(parts)}. "
+        f"Job {computation.computed.contact_name}, {WHAT[computation.computed.contact_name]}, production mesh of "
+        f"{computation.computed.free_degree_of_freedom_count} unknowns: {', '.join(parts)}. "
         + (f"NOT MET: {', '.join(missed)}." if missed else "All targets are met.")
     )
 
 
-def _lin_mesh_error_sentence(one: HertzComputation) -> str:
+def _lin_mesh_error_sentence(computation: HertzComputation) -> str:
     """Return the sentence that states the errors against Hertz theory on the mesh of Lin's thesis.
 
-    ``one``: computation of one Hertz contact on that mesh.
+    ``computation``: computation of one Hertz contact on that mesh.
     """
     return (
-        f"Job {one.run.job} on first-order tetrahedra of the size of Lin's thesis ({one.run.b_over_h:.1f} across the short "
-        f"semi-axis): approach {one.errors['approach']:+.1f} %, semi-axes {one.errors['semi-axes']:+.1f} %, "
-        f"pole pressure {one.errors['pole pressure']:+.1f} %, fitted {one.errors['fitted pole pressure']:+.1f} %."
+        f"Job {computation.computed.contact_name} on first-order tetrahedra of the size of Lin's thesis "
+        f"({computation.computed.b_over_h:.1f} across the short "
+        f"semi-axis): approach {computation.error_percents['approach']:+.1f} %, semi-axes "
+        f"{computation.error_percents['semi-axes']:+.1f} %, "
+        f"pole pressure {computation.error_percents['pole pressure']:+.1f} %, fitted "
+        f"{computation.error_percents['fitted pole pressure']:+.1f} %."
     )
 
 
@@ -165,15 +175,15 @@ TIMES = ("mesh", "assembly", "factor", "solve", "contact")
 STAGES = {"mesh": "meshing"}
 
 
-def mesh_row(computation: HertzComputation) -> Row:
+def mesh_cells_of_row(computation: HertzComputation) -> Row:
     """Return the first cells of a table row on a computed Hertz contact: job, mesh, cells across the short semi-axis (b/h).
 
     ``computation``: computation of one Hertz contact on one mesh.
     """
     return {
-        "job": computation.run.job,
-        "mesh": computation.label,
-        Quantity("b_over_h", "b/h", "", ".1f"): computation.run.b_over_h,
+        "job": computation.computed.contact_name,
+        "mesh": computation.mesh_label,
+        TableColumn("b_over_h", "b/h", "", ".1f"): computation.computed.b_over_h,
     }
 
 
@@ -183,18 +193,22 @@ def hertz_error_row(computation: HertzComputation) -> Row:
     ``computation``: the computed contact with its errors.
     """
     counts: Row = {
-        "unknowns": computation.run.unknowns,
-        Quantity("contact_nodes", "contact nodes", "", "s"): computation.run.contact_nodes,
-        "iterations": computation.run.iterations,
-        Quantity("seconds", "time", "s", "g2"): computation.run.total_seconds,
+        "unknowns": computation.computed.free_degree_of_freedom_count,
+        TableColumn("contact_nodes", "contact nodes", "", "s"): computation.computed.contact_node_count,
+        "iterations": computation.computed.newton_iteration_count,
+        TableColumn("seconds", "time", "s", "g2"): computation.computed.total_seconds,
     }
-    return mesh_row(computation) | counts | {Quantity(name, name, "%", ".2f"): computation.errors[name] for name in ERRORS}
+    return (
+        mesh_cells_of_row(computation)
+        | counts
+        | {TableColumn(name, name, "%", ".2f"): computation.error_percents[name] for name in ERRORS}
+    )
 
 
-def computed_and_hertz_rows(found: Sequence[HertzComputation]) -> list[Row]:
+def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
     """Return table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, pole pressure of each contact.
 
-    ``found``: computations on all meshes.
+    ``computations``: computations on all meshes.
     """
     rows: list[Row] = []
     quantities = (
@@ -203,29 +217,29 @@ def computed_and_hertz_rows(found: Sequence[HertzComputation]) -> list[Row]:
         ("semi-axis b", "mm", 1e3, "semi_y"),
         ("pole pressure", "MPa", 1e-6, "pole_pressure"),
     )
-    for one in computations_on_production_mesh(found):
-        run = one.run
+    for one in computations_on_production_mesh(computations):
+        run = one.computed
         for name, unit, scale, key in quantities:
-            most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.errors[name]
+            most, error = TARGETS.get(name, TARGETS["semi-axes"]), one.error_percents[name]
             rows.append(
                 {
-                    "job": f"{run.job}, {WHAT[run.job]}",
+                    "job": f"{run.contact_name}, {WHAT[run.contact_name]}",
                     "quantity": name,
                     "unit": unit,
-                    Quantity("value", "value in 3D", "", "g6"): scale * getattr(run, key),
-                    Quantity("reference", "value by Hertz", "", "g6"): scale * getattr(run.exact, key),
-                    Quantity("error", "error", "%", ".3f"): error,
-                    Quantity("target", "largest error allowed", "%", ".1f"): most,
+                    TableColumn("value", "value in 3D", "", "g6"): scale * getattr(run, key),
+                    TableColumn("reference", "value by Hertz", "", "g6"): scale * getattr(run.hertz_solution, key),
+                    TableColumn("error", "error", "%", ".3f"): error,
+                    TableColumn("target", "largest error allowed", "%", ".1f"): most,
                     "met": "yes" if abs(error) <= most else "NO",
                 }
             )
     return rows
 
 
-def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
+def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Figure:
     """Draw the errors of approach and pole pressure against Hertz over the number of unknowns and over run time.
 
-    ``found``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
+    ``computations``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
     groove).
     """
     panels = []
@@ -233,15 +247,18 @@ def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
         for axis in ("unknowns", "seconds"):
             curves = []
             for label in (*NAMES.values(), SOURCE):
-                runs = [one for one in found if one.run.job == job and one.label == label]
-                x = [float(one.run.unknowns if axis == "unknowns" else one.run.total_seconds) for one in runs]
-                y = [max(abs(one.errors[quantity]), 1e-3) for one in runs]
+                runs = [one for one in computations if one.computed.contact_name == job and one.mesh_label == label]
+                x = [
+                    float(one.computed.free_degree_of_freedom_count if axis == "unknowns" else one.computed.total_seconds)
+                    for one in runs
+                ]
+                y = [max(abs(one.error_percents[quantity]), 1e-3) for one in runs]
                 style = "markers" if label == SOURCE else "line+markers"
                 if runs:
-                    curves.append(Series(label, x, y, style, emphasis=label == NAMES[PRODUCTION[0]]))
+                    curves.append(Series(label, x, y, style, bold=label == NAMES[PRODUCTION[0]]))
             unit = "unknowns" if axis == "unknowns" else "time [s]"
             title = f"{quantity} over {'unknowns' if axis == 'unknowns' else 'run time'}"
-            panels.append(Panel(title, unit, "error [%]", curves, log="xy"))
+            panels.append(Panel(title, unit, "error [%]", curves, log_axes="xy"))
     return Figure(
         f"verification-{job}",
         f"Error of the 3D contact against Hertz theory over unknowns and run time: {WHAT[job]} (job {job})",
@@ -253,28 +270,33 @@ def hertz_error_figure(found: Sequence[HertzComputation], job: str) -> Figure:
     )
 
 
-def times_table(found: Sequence[HertzComputation]) -> Table:
+def stage_times_table(computations: Sequence[HertzComputation]) -> Table:
     """Return the table of the time [s] of each stage (meshing, assembly and so on) of every computed Hertz contact.
 
-    ``found``: computations of each Hertz contact on all meshes.
+    ``computations``: computations of each Hertz contact on all meshes.
     """
-    stages = {name: Quantity(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
-    rows = [mesh_row(one) | {stage: one.run.seconds[name] for name, stage in stages.items()} for one in found]
-    return Table.of("verification-times", "Ball contact by 3D finite elements: time of each stage of the computation", rows)
+    stages = {name: TableColumn(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES}
+    rows = [
+        mesh_cells_of_row(one) | {stage: one.computed.seconds_by_stage[name] for name, stage in stages.items()}
+        for one in computations
+    ]
+    return Table.from_rows(
+        "verification-times", "Ball contact by 3D finite elements: time of each stage of the computation", rows
+    )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the section that verifies the contact elements of the 3D reference against Hertz theory.
 
     ``step`` is called with each line of progress.
     """
-    return hertz_section(compute_hertz_contacts(step, QUICK if study.quick else LEVELS))
+    return hertz_section(compute_hertz_contacts(step, QUICK if cache.quick else LEVELS))
 
 
-def hertz_section(found: Sequence[HertzComputation]) -> Section:
+def hertz_section(computations: Sequence[HertzComputation]) -> Section:
     """Return the section that compares contacts computed by 3D finite elements with Hertz theory.
 
-    ``found``: computations of each Hertz contact on all meshes.
+    ``computations``: computations of each Hertz contact on all meshes.
     """
     job, mesh = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     text = (
@@ -292,19 +314,19 @@ def hertz_section(found: Sequence[HertzComputation]) -> Section:
     )
     items: tuple[Text | Table | Figure, ...] = (
         Text(text),
-        Text(error_target_sentences(found), bullets=True),
-        Table.of(
+        Text(error_target_sentences(computations), bullets=True),
+        Table.from_rows(
             "verification-targets",
             f"Error against Hertz theory of the mesh that the 3D reference uses ({mesh})",
-            computed_and_hertz_rows(found),
+            rows_of_computed_and_hertz_values(computations),
         ),
-        Table.of(
+        Table.from_rows(
             "verification-errors",
             "Ball contact by 3D finite elements: error against Hertz theory, unknowns and time of each element and mesh",
-            map(hertz_error_row, found),
+            map(hertz_error_row, computations),
         ),
-        *(hertz_error_figure(found, job) for job in JOBS),
-        times_table(found),
+        *(hertz_error_figure(computations, job) for job in JOBS),
+        stage_times_table(computations),
     )
     return Section("verification", "Error of the 3D contact elements against Hertz theory", items)
 
@@ -336,82 +358,85 @@ NUT = (
 )
 
 
-def calculix_run_table(data: CalculixRunsOfScene) -> Table:
+def calculix_run_table(calculix_runs: CalculixRunsOfScene) -> Table:
     """Return the table of the CalculiX runs on one scene: mesh, contact stiffness, run time and residual forces.
 
-    ``data``: stored results of CalculiX on this scene.
+    ``calculix_runs``: stored results of CalculiX on this scene.
     """
     rows: list[Row] = []
-    base = {(mesh_options_of_run(r), r.stiffness): r for r in data.runs if not r.nlgeom}
-    for run in data.runs:
+    base = {(mesh_options_of_run(r), r.stiffness): r for r in calculix_runs.runs if not r.nlgeom}
+    for run in calculix_runs.runs:
         mean = mean_load(run.load)
         twin = base.get((mesh_options_of_run(run), run.stiffness))
         loose = float(error_percent(run.unbalanced, 0.0, mean))
         change = load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None
         rows.append(
             {
-                Quantity("across", "b/h at mean load", "", ".1f"): run.b_over_h,
-                Quantity("fine", "element size h", "mm", ".3f"): 1e3 * run.fine,
-                Quantity("growth", "growth g", "", ".2f"): run.growth,
-                Quantity("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
-                Quantity("large", "displacements", "", "s"): "large" if run.nlgeom else "small",
+                TableColumn("across", "b/h at mean load", "", ".1f"): run.b_over_h,
+                TableColumn("fine", "element size h", "mm", ".3f"): 1e3 * run.fine,
+                TableColumn("growth", "growth g", "", ".2f"): run.growth,
+                TableColumn("stiffness", "contact stiffness", "N/mm3", "g2"): 1e-9 * run.stiffness,
+                TableColumn("large", "displacements", "", "s"): "large" if run.nlgeom else "small",
                 "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
                 "nodes": run.nodes,
-                Quantity("cells", "tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
-                Quantity("jacobian", "smallest scaled Jacobian", "", ".2f"): min(m.smallest for m in run.meshes),
+                TableColumn("cells", "tetrahedra", "", "s"): sum(m.cells for m in run.meshes),
+                TableColumn("jacobian", "smallest scaled Jacobian", "", ".2f"): min(m.smallest for m in run.meshes),
                 "iterations": run.iterations,
-                Quantity("seconds", "processor time", "s", ".0f"): run.seconds,
-                Quantity("sum", "sum of loads", "N", ".1f"): float(run.load.sum()),
-                Quantity("weak", "force of a ball's weak spring", "% of mean", "g2"): float(
+                TableColumn("seconds", "processor time", "s", ".0f"): run.seconds,
+                TableColumn("sum", "sum of loads", "N", ".1f"): float(run.load.sum()),
+                TableColumn("weak", "force of a ball's weak spring", "% of mean", "g2"): float(
                     error_percent(run.weak, 0.0, mean)
                 ),
-                Quantity("loose", "unbalanced force of a ball", "% of mean", "g2"): loose,
-                Quantity("large_change", "load change by large displacements", "% of mean", ".3f"): change,
+                TableColumn("loose", "unbalanced force of a ball", "% of mean", "g2"): loose,
+                TableColumn("large_change", "load change by large displacements", "% of mean", ".3f"): change,
             }
         )
-    first = data.runs[0]
+    first = calculix_runs.runs[0]
     note = (
-        f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. "
+        f"{first.program}, {first.date}; meshes by gmsh {calculix_runs.gmsh} and rollbench {calculix_runs.rollbench}. "
         "Processor time of one thread. A weak spring prevents each ball from sliding along its track."
     )
-    title = f"Meshes, processor times and residual forces of the CalculiX runs on {data.scene}"
-    return Table.of(f"crosscheck-runs-{data.scene}", title, rows, note)
+    title = f"Meshes, processor times and residual forces of the CalculiX runs on {calculix_runs.scene}"
+    return Table.from_rows(f"crosscheck-runs-{calculix_runs.scene}", title, rows, note)
 
 
-def calculix_contact_tables(data: CalculixRunsOfScene, ours: Reference, limit: Extrapolation) -> list[Table]:
+def calculix_contact_tables(
+    calculix_runs: CalculixRunsOfScene, reference: Reference, extrapolation: LoadExtrapolation
+) -> list[Table]:
     """Return two tables of a scene's contact loads by the 3D reference and by CalculiX.
 
     The loads by CalculiX are extrapolated to zero element size in the first table, and those of every mesh in the second.
 
     Parameters
     ----------
-    data
+    calculix_runs
         Stored results of CalculiX on one scene.
-    ours
+    reference
         3D reference of the scene.
-    limit
+    extrapolation
         Loads by CalculiX extrapolated to zero element size.
     """
-    rows = compare_contact_loads(data, ours, limit)
-    headings = columns_of_load_table(data, ours)
+    rows = compare_contact_loads(calculix_runs, reference, extrapolation)
+    headings = columns_of_load_table(calculix_runs, reference)
     ends, each = ([{c.key: r.cells()[c.key] for c in shown} for r in rows] for shown in (COLUMNS, headings))
-    fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
+    fixed = f" Not varied: {', '.join(extrapolation.unvaried_options)}." if extrapolation.unvaried_options else ""
     note = (
-        f"{agreement_sentence(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} minor semi-axes, RMS "
-        f"misfit {limit.misfit:.2f} N. In the finest run of CalculiX, the element size changes a load by up to "
-        f"{abs(limit.by_elements).max():.2f} N and the finite contact stiffness by up to "
-        f"{abs(limit.by_stiffness).max():.2f} N.{fixed}"
+        f"{agreement_sentence(calculix_runs.scene, rows)} Order {extrapolation.error_order:.2f}, length "
+        f"{extrapolation.field_length:.2f} minor semi-axes, RMS "
+        f"misfit {extrapolation.misfit:.2f} N. In the finest run of CalculiX, the element size changes a load by up to "
+        f"{abs(extrapolation.element_size_effect).max():.2f} N and the finite contact stiffness by up to "
+        f"{abs(extrapolation.contact_stiffness_effect).max():.2f} N.{fixed}"
     )
     meshes = "For CalculiX, runs with contact stiffnesses as equal as possible are shown."
-    first = f"Contact loads of {data.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
-    second = f"Contact loads of {data.scene} by the 3D reference and by CalculiX on every mesh"
+    first = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX, extrapolated to cell size zero"
+    second = f"Contact loads of {calculix_runs.scene} by the 3D reference and by CalculiX on every mesh"
     return [
-        Table(f"crosscheck-{data.scene}", first, COLUMNS, ends, note),
-        Table(f"crosscheck-meshes-{data.scene}", second, headings, each, meshes),
+        Table(f"crosscheck-{calculix_runs.scene}", first, COLUMNS, ends, note),
+        Table(f"crosscheck-meshes-{calculix_runs.scene}", second, headings, each, meshes),
     ]
 
 
-def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
+def crosscheck_section(cache: SceneResultCache, step: Callable[[str], None], folder: Path | None = None) -> Section:
     """Return the section that compares contact loads of two scenes by the 3D reference and by the program CalculiX.
 
     ``step`` is called with each line of progress. ``folder``: folder with the stored results of CalculiX; None: the results
@@ -420,7 +445,7 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference and CalculiX")
-        data, ours = load_results(folder or shipped_results(), name), study.reference(name)
+        data, ours = load_calculix_results(folder or shipped_results_folder(), name), cache.stored_reference(name)
         if data is None or data.key != digest_of_shipped_scene(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the present version of this scene.",)))
             continue
@@ -429,7 +454,7 @@ def crosscheck_section(study: Study, step: Callable[[str], None], folder: Path |
         else:
             items += calculix_contact_tables(data, ours, extrapolate_loads(data.runs))
         items.append(calculix_run_table(data))
-    alone = load_nut(folder or shipped_results())
+    alone = load_nut_compliance(folder or shipped_results_folder())
     if alone is not None and alone.key == digest_of_shipped_scene(alone.scene):
         items.append(Text((NUT, alone.sentence_on_agreement())))
     return Section("crosscheck", "Contact loads of the 3D reference compared with CalculiX", tuple(items))

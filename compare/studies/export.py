@@ -29,7 +29,7 @@ from rollbench.meshes.parts import SIDES, Load, Scene, Support
 if TYPE_CHECKING:
     from skfem import Mesh
 
-    from rollbench.meshes.exchange.step_files import PlacedSet
+    from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
 
 
 #: Name of the quarter block for a Hertz contact, refined as in Lin's thesis; it does not depend on the scene.
@@ -43,7 +43,7 @@ BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 AWAY = 0.4
 
 
-def exported_parts(scene: Scene) -> tuple[str, ...]:
+def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
     """Return the names of those parts of a scene whose meshes can be exported: bodies, contact patches, quarter block.
 
     Parameters
@@ -62,26 +62,26 @@ def exported_parts(scene: Scene) -> tuple[str, ...]:
     return (*BODIES, *(body + SOCKETS for body in BODIES), *patches, BLOCK)
 
 
-def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedSet]:
+def nuts_and_bearings_on_shaft(described: Solvable) -> list[PlacedNutOrBearing]:
     """Return each nut or ball bearing of a scene, its axial position, and the ends of the shaft piece modelled in 3D [m].
 
     Outside these ends the shaft is a beam in the 3D reference. Raises ValueError for a row of rollers, whose geometry
     cannot be written.
     """
-    from rollbench.hifi.several_sets import describe_bodies_of_each_set
-    from rollbench.meshes.exchange.step_files import PlacedSet
+    from rollbench.hifi.several_sets import meshed_geometry_of_each_set
+    from rollbench.meshes.exchange.step_files import PlacedNutOrBearing
     from rollbench.meshes.solid import dimensions_of_3d_parts
 
     if isinstance(described, Scene):
-        return [PlacedSet(described, 0.0, dimensions_of_3d_parts(described).ends(described))]
+        return [PlacedNutOrBearing(described, 0.0, dimensions_of_3d_parts(described).ends_of_meshed_screw(described))]
     out = []
-    for s, bodies in zip(described.sets, describe_bodies_of_each_set(described), strict=True):
+    for s, bodies in zip(described.sets, meshed_geometry_of_each_set(described), strict=True):
         if not isinstance(s.parts, Scene):
             raise ValueError(
                 f"the geometry of {s.name} cannot be written, because it has rollers: only ball nuts and ball bearings can"
             )
-        low, high = dimensions_of_3d_parts(bodies.bodies).ends(bodies.bodies)
-        out.append(PlacedSet(s.parts, s.offset, (low + bodies.shift, high + bodies.shift)))
+        low, high = dimensions_of_3d_parts(bodies.parts_without_errors).ends_of_meshed_screw(bodies.parts_without_errors)
+        out.append(PlacedNutOrBearing(s.parts, s.offset, (low + bodies.origin_on_shaft, high + bodies.origin_on_shaft)))
     return out
 
 
@@ -93,7 +93,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     scene
         Scene of one nut or bearing.
     part
-        Name of the part, one of `exported_parts`.
+        Name of the part, one of `names_of_exportable_parts`.
     level
         Mesh level of the 3D reference, from 1 (coarse).
     cache
@@ -111,37 +111,37 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     """
     if part == BLOCK:
         from rollbench.hifi.contact.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
-        from rollbench.meshes.block import BodyOfInfluence, mesh_block_with_tetrahedra
+        from rollbench.meshes.block import EllipsoidElementSizes, mesh_block_with_tetrahedra
 
-        influence = BodyOfInfluence(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
+        influence = EllipsoidElementSizes(SOURCE_FINE, (SOURCE_RADIUS,) * 3, 0.2, SOURCE_COARSE)
         return with_only_boundaries(mesh_block_with_tetrahedra(1, influence, SOURCE_COARSE).mesh, "contact")
     if part in BODIES:
-        return _whole_body_mesh(scene, part, level)
+        return _mesh_whole_body(scene, part, level)
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, element_order_of_bodies, mesh_parts, mesh_patch
+    from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, element_type_of_bodies, mesh_parts, mesh_patch
     from rollbench.meshes.cache import Cache
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
-    from rollbench.meshes.sockets import points_in_reference_socket
+    from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
     from rollbench.meshes.solid import dimensions_of_3d_parts
 
-    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.of(scene)
+    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     meshes = mesh_parts(scene, m, ball_layout(scene), dimensions_of_3d_parts(scene), sides, settings, Cache(cache))
-    bodies: dict[str, Any] = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}
+    bodies: dict[str, Any] = {"ball": meshes.ball_mesh, "screw": meshes.screw_mesh, "nut": meshes.nut_mesh}
     if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
-        return with_only_boundaries(convert_mesh_order(mesh, element_order_of_bodies(settings)), *names)
+        return with_only_boundaries(convert_mesh_order(mesh, element_type_of_bodies(settings)), *names)
     kind, _, name = part.rpartition("-")
     side = SIDES.index(name)
     body = bodies["ball" if kind == "ball-patch" else "screw" if side < 2 else "nut"]
-    place: Any = partial(points_in_reference_socket, m, meshes.size, side)
+    place: Any = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
     if kind == "ball-patch":
-        place = ball_socket_and_map(m, meshes.size, side, meshes.zone)[1]
+        place = ball_socket_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
     return with_only_boundaries(mesh_patch(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
 
 
-def displacement_and_stress_of_part(
+def solve_displacement_and_stress_of_part(
     scene: Scene, part: str, level: int, ball: int, cache: Path | None = None
 ) -> dict[str, Array]:
     """Solve a scene by the 3D reference, and return displacement and stress at the mesh nodes of one part.
@@ -151,7 +151,7 @@ def displacement_and_stress_of_part(
     scene
         Scene of one nut or bearing.
     part
-        Name of the part, one of `exported_parts`.
+        Name of the part, one of `names_of_exportable_parts`.
     level
         Mesh level of the 3D reference, from 1 (coarse).
     ball
@@ -172,78 +172,83 @@ def displacement_and_stress_of_part(
     """
     from rollbench.hifi import fields
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import element_order_of_bodies, mesh_parts
+    from rollbench.hifi.meshing.part_meshes import element_type_of_bodies, mesh_parts
     from rollbench.hifi.reference import solve_reference
-    from rollbench.hifi.setup import prepare
+    from rollbench.hifi.setup import mesh_and_condense_geometry
     from rollbench.meshes.cache import Cache
 
     settings, sides, store = mesh_settings([scene], level), flanks_to_mesh(scene), Cache(cache)
-    setup = prepare(scene, sides, settings, cache=store)
+    setup = mesh_and_condense_geometry(scene, sides, settings, cache=store)
     result = solve_reference(setup, scene)
-    if result.status != "converged" and result.moving == 0.0:
+    if result.status != "converged" and result.remaining_load_change == 0.0:
         raise ValueError(result.status)
-    meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
-    forces = fields.pressure_function_forces_by_flank(setup, result)
+    meshes = mesh_parts(scene, setup.groove_map, setup.ball_positions, setup.solid_dimensions, sides, settings, store)
+    forces = fields.contact_node_forces_by_flank(setup, result)
 
     def body_displacement(screw: bool) -> Array:
         """Return the displacements of the n mesh nodes of the screw, or of the nut if not ``screw``, (n, 3) [m]."""
         if screw:
-            return fields.screw_displacement(setup, meshes.screw, forces, scene)
-        return fields.nut_displacement(setup, meshes.nut, forces)
+            return fields.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, scene)
+        return fields.nodal_displacements_of_nut(setup, meshes.nut_mesh, forces)
 
     kind, _, side = part.removesuffix(SOCKETS).rpartition("-")
     if side in ("screw", "nut"):
-        body, material = (meshes.screw, scene.screw.material) if side == "screw" else (meshes.nut, scene.nut.material)
+        body, material = (
+            (meshes.screw_mesh, scene.screw.material) if side == "screw" else (meshes.nut_mesh, scene.nut.material)
+        )
         u = body_displacement(side == "screw")
-        stress = fields.nodal_stress(convert_mesh_order(body.mesh, element_order_of_bodies(settings)), u, material)
+        stress = fields.nodal_stress(convert_mesh_order(body.mesh, element_type_of_bodies(settings)), u, material)
     else:
         if kind == "patch":
             u = body_displacement(side.startswith("S"))
-            field = fields.groove_patch_field(setup, meshes, u, ball, SIDES.index(side), forces)
+            field = fields.stress_field_of_groove_patch(setup, meshes, u, ball, SIDES.index(side), forces)
         else:
             field = fields.stress_fields_of_ball(setup, meshes, ball, forces)[
                 SIDES.index(side) if kind == "ball-patch" else None
             ]
-        u, stress = field.displacement, field.stress
+        u, stress = field.displacements, field.stresses
     six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
-def _whole_body_mesh(scene: Scene, part: str, level: int) -> Mesh:
+def _mesh_whole_body(scene: Scene, part: str, level: int) -> Mesh:
     """Mesh a whole body, without holes for contact patches; its finest elements lie at the expected contacts.
 
     ``part``: "screw" (its piece that is modelled in 3D), "nut" or "ball"; ``level``: mesh level of the 3D reference.
     """
     from rollbench.hifi.bodies.coarse import convert_mesh_order
-    from rollbench.hifi.meshing.part_meshes import choose_socket_size, contacts_on_body, element_order_of_bodies
+    from rollbench.hifi.meshing.part_meshes import choose_socket_size, contact_positions_on_body, element_type_of_bodies
     from rollbench.meshes.exchange.whole_bodies import (
-        Refinement,
+        ElementSizesNearPoints,
         mesh_whole_ball,
         mesh_whole_body,
         points_on_ball_surface,
         points_on_groove,
     )
-    from rollbench.meshes.groove import BodySpec
+    from rollbench.meshes.groove import GroovedBodySpec
     from rollbench.meshes.groove_map import GrooveMap
     from rollbench.meshes.helix import ball_layout
     from rollbench.meshes.solid import dimensions_of_3d_parts
 
-    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.of(scene)
+    settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     layout, dims, middle = ball_layout(scene), dimensions_of_3d_parts(scene), np.zeros((1, 2))
     if part == "ball":
         near = np.concatenate([points_on_ball_surface(m, side, m.ball, middle) for side in sides])
-        body = mesh_whole_ball(m, m.ball, Refinement(near, settings.ball_fine, AWAY, settings.ball_coarse))
+        body = mesh_whole_ball(m, m.ball, ElementSizesNearPoints(near, settings.ball_fine, AWAY, settings.ball_coarse))
     else:
         screw, half = part == "screw", scene.nut.length / 2.0
         radii = (dims.hole, scene.screw.outer_diameter / 2.0) if screw else (dims.land, scene.nut.outer_diameter / 2.0)
-        ends = dims.ends(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
-        places, size = contacts_on_body(layout, sides, screw), choose_socket_size(scene, m, layout, sides, dims, settings)
+        ends = dims.ends_of_meshed_screw(scene) if screw else (scene.nut.position - half, scene.nut.position + half)
+        places, size = (
+            contact_positions_on_body(layout, sides, screw),
+            choose_socket_size(scene, m, layout, sides, dims, settings),
+        )
         filled = dims.groove_ends and not screw
         flange = None if screw else scene.nut.flange
-        spec = BodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
+        spec = GroovedBodySpec(*radii, *ends, screw, places, size, settings.fine, settings.coarse, filled, flange)
         near = np.concatenate([points_on_groove(m, place, middle) for place in places])
-        body = mesh_whole_body(m, spec, Refinement(near, settings.fine, AWAY, settings.coarse))
-    mesh = convert_mesh_order(body.mesh, element_order_of_bodies(settings))
+        body = mesh_whole_body(m, spec, ElementSizesNearPoints(near, settings.fine, AWAY, settings.coarse))
+    mesh = convert_mesh_order(body.mesh, element_type_of_bodies(settings))
     return with_only_boundaries(mesh, *sorted(mesh.boundaries))
 
 
@@ -257,7 +262,7 @@ BOUNDS = {"b_over_h": (0.4, 8.0), "growth": (0.1, 1.5), "stiffness": (1e5, 1e12)
 NUT, SHAFT = 3.0, 3.0
 
 
-def write_deck(
+def write_calculix_deck(
     program: str, unit: str, balls: str, b_over_h: float, growth: float, stiffness: float, scene: Scene, out: Path | None
 ) -> str:
     """Write the input deck of a scene for CalculiX, and return a line on its size and how to run it.
@@ -306,18 +311,18 @@ def write_deck(
             raise ArgumentError(*said)
     check_gmsh()
     if balls:
-        scene = cut_balls_out_of_screw(scene, *parse_balls(balls, scene))
+        scene = cut_balls_out_of_screw(scene, *parse_ball_range(balls, scene))
     out = out or Path(f"{scene.name}.inp")
     deck = build_deck(scene, DeckOptions(b_over_h, growth, 1e9 * stiffness)).deck
     replace_file(out, deck_text(deck, unit))
     name = shlex.quote(str(out.with_suffix("")))
     return (
         f"wrote {out}: {deck.node_count} nodes, {sum(len(b.cells) for b in deck.bodies)} 10-node tetrahedra, "
-        f"{len(deck.contacts)} contacts; units {UNITS[unit].words}; run it with: ccx -i {name}"
+        f"{len(deck.contact_pairs)} contacts; units {UNITS[unit].names}; run it with: ccx -i {name}"
     )
 
 
-def parse_balls(range_text: str, scene: Scene) -> tuple[int, int]:
+def parse_ball_range(range_text: str, scene: Scene) -> tuple[int, int]:
     """Return the numbers of the first and last ball, from 1, that a text such as "3:5" states.
 
     Raises InputError for another text, and for balls that the scene does not have.

@@ -33,31 +33,34 @@ TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 
 @dataclass(frozen=True)
-class StabilityCase:
+class HardScene:
     """Scene that is hard to solve, with its group in the stability table and the status that a solver should report."""
 
     #: Name of the scene in the stability table.
     name: str
     #: Group in the table.
-    group: str
+    table_group: str
     #: Scene of a screw or bearing, or of a shaft with several.
     scene: Scene | Assembly
     #: Status to expect: "converged", or for a scene that is not held the one that names the free rigid motion.
-    expected: str = CONVERGED
+    expected_status: str = CONVERGED
 
 
 # --- scenes of one ball screw
 
 
-def _with_load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, z: float = 0.0) -> Scene:
+def _with_load(
+    base: Scene, force: tuple[float, float, float], moment_about_x: float = 0.0, axial_position: float = 0.0
+) -> Scene:
     """Return a copy of the scene ``base`` with a single external load.
 
-    ``force``: force along x, y, z [N]; ``moment``: moment about x [N m]; ``z``: axial position of the load [m].
+    ``force``: force along x, y, z [N]; ``moment_about_x``: moment about x [N m]; ``axial_position``: axial position of the
+    load [m].
     """
-    return replace(base, loads=(Load(z, force, (moment, 0.0, 0.0)),))
+    return replace(base, loads=(Load(axial_position, force, (moment_about_x, 0.0, 0.0)),))
 
 
-def _with_ball_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
+def _with_ball_radius_errors(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
     """Return a copy of the scene ``base`` whose only geometric errors are those of its ball radii.
 
     ``oversize``: excess of all radii [m]; ``half_width``: largest random deviation from it, uniformly distributed [m];
@@ -132,102 +135,100 @@ def _with_displaced_screw_end(base: Scene, offset: float, oversize: float) -> Sc
     ``offset``: displacement of the end [m]; ``oversize``: excess of the ball radii [m].
     """
     moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
-    return replace(_with_ball_errors(base, oversize), supports=(*base.supports, moved))
+    return replace(_with_ball_radius_errors(base, oversize), supports=(*base.supports, moved))
 
 
-def _load_cases(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_of_loads(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: axial and lateral loads, moments, and a laterally displaced end."""
     for k in range(-2, 7):
-        yield StabilityCase(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
-    yield StabilityCase("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
+        yield HardScene(f"axial {10.0**k:g} N", "axial load", _with_load(base, (0.0, 0.0, 10.0**k)))
+    yield HardScene("axial -5000 N", "axial load", _with_load(base, (0.0, 0.0, -5000.0)))
     for force in (1.0, 100.0, 5000.0):
-        yield StabilityCase(
+        yield HardScene(
             f"lateral {force:g} N", "lateral load", _with_load(_with_axial_support_only(base), (force, 0.0, 0.0))
         )
     for moment in (0.5, 50.0):
         scene = _with_load(_with_axial_support_only(base), (0.0, 0.0, 0.0), moment)
-        yield StabilityCase(f"moment {moment:g} N m", "moment only", scene)
-    clear = _with_load(_with_ball_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, z=0.3)
-    yield StabilityCase("moment 0.01 N m, clearance, clamped", "moment only", clear)
+        yield HardScene(f"moment {moment:g} N m", "moment only", scene)
+    clear = _with_load(_with_ball_radius_errors(base, -5e-6), (0.0, 0.0, 0.0), 0.01, axial_position=0.3)
+    yield HardScene("moment 0.01 N m, clearance, clamped", "moment only", clear)
     alone = _with_displaced_screw_end(with_ball_count(base, 1), -3e-3, -5e-6)
-    yield StabilityCase("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
+    yield HardScene("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
     for oversize in (0.0, 7e-6):
         for force in (0.0, 5000.0):
             name = f"offset 3 mm, {force:g} N, {'preloaded' if oversize else 'no preload'}"
-            yield StabilityCase(
-                name, "offset", _with_load(_with_displaced_screw_end(base, 3e-3, oversize), (0.0, 0.0, force))
-            )
+            yield HardScene(name, "offset", _with_load(_with_displaced_screw_end(base, 3e-3, oversize), (0.0, 0.0, force)))
 
 
-def _clearance_and_preload_cases(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_of_clearance_and_preload(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: clearance, preload and random ball sizes."""
     for gap in (5e-6, 50e-6):
         for force in (0.01, 1.0, 5000.0):
-            scene = _with_load(_with_ball_errors(base, -gap), (0.0, 0.0, force))
-            yield StabilityCase(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
+            scene = _with_load(_with_ball_radius_errors(base, -gap), (0.0, 0.0, force))
+            yield HardScene(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
     for tight in (0.0, 1e-6, 7e-6, 20e-6):
         for force in (0.0, 5000.0):
-            scene = _with_load(_with_ball_errors(base, tight), (0.0, 0.0, force))
-            yield StabilityCase(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
+            scene = _with_load(_with_ball_radius_errors(base, tight), (0.0, 0.0, force))
+            yield HardScene(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
     for half in (5e-6, 20e-6):
         for tight in (0.0, 7e-6):
             for seed in (1, 2, 3):
                 name = f"random +-{half * 1e6:g} um, preload {tight * 1e6:g} um, seed {seed}"
-                yield StabilityCase(name, "random balls", _with_ball_errors(base, tight, half, seed))
+                yield HardScene(name, "random balls", _with_ball_radius_errors(base, tight, half, seed))
 
 
-def _stiffness_cases(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_of_stiffness(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: a softer or stiffer shaft, and other Young's moduli."""
     factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
     for f in factors:
-        yield StabilityCase(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
+        yield HardScene(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", with_shaft_stiffness(base, f))
     for f in (1e-3, 1e3):
         name = f"screw modulus x {f:g}, its contacts with it"
-        yield StabilityCase(name, "shaft stiffness", _with_scaled_youngs_moduli(base, f, 1.0, 1.0))
+        yield HardScene(name, "shaft stiffness", _with_scaled_youngs_moduli(base, f, 1.0, 1.0))
     for f in factors:
-        yield StabilityCase(f"all moduli x {f:g}", "moduli", _with_scaled_youngs_moduli(base, f, f, f))
+        yield HardScene(f"all moduli x {f:g}", "moduli", _with_scaled_youngs_moduli(base, f, f, f))
 
 
-def _geometry_cases(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_of_geometry(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: other conformities, numbers of balls, leads and contact angles."""
     for ratio in (1.01, 1.001, 1.0001, 1.00001):
         close = with_groove_radius_ratio(base, ratio)
-        yield StabilityCase(f"r_G/r_B {ratio:g}, axial", "conformity", close)
-        yield StabilityCase(
+        yield HardScene(f"r_G/r_B {ratio:g}, axial", "conformity", close)
+        yield HardScene(
             f"r_G/r_B {ratio:g}, lateral", "conformity", _with_load(_with_axial_support_only(close), (1000.0, 0.0, 0.0))
         )
     for count in (3, 10, 32, 100, 300, 1000):
-        yield StabilityCase(f"{count} balls", "ball count", with_ball_count(base, count))
+        yield HardScene(f"{count} balls", "ball count", with_ball_count(base, count))
     for lead in (0.0, 5e-3, 7e-3, 20e-3, 40e-3):
-        yield StabilityCase(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
+        yield HardScene(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
     for angle in (5, 15, 30, 45, 60, 75, 85):
         turned = replace(base, track=replace(base.track, contact_angle=math.radians(angle)))
-        yield StabilityCase(f"contact angle {angle} deg", "contact angle", turned)
+        yield HardScene(f"contact angle {angle} deg", "contact angle", turned)
         if angle in (5, 85):
             held = replace(turned, supports=(Support(0.0, (("rz", 0.0),)),))
             loaded = _with_load(held, (1000.0, 0.0, 100.0))
-            yield StabilityCase(f"contact angle {angle} deg, lateral", "contact angle", loaded)
+            yield HardScene(f"contact angle {angle} deg, lateral", "contact angle", loaded)
 
 
-def _cases_with_free_rigid_motion(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_with_free_rigid_motion(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: one or two balls, or missing supports, which may leave it free to move."""
     one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
     for force in (0.01, 5000.0):
-        yield StabilityCase(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
-    pushed = replace(_with_axial_support_only(_with_ball_errors(one, 1e-6)), loads=())
-    yield StabilityCase("one ball, squeezed, free to move off", "one ball", pushed)
+        yield HardScene(f"one ball, {force:g} N", "one ball", _with_load(one, (0.0, 0.0, force)))
+    pushed = replace(_with_axial_support_only(_with_ball_radius_errors(one, 1e-6)), loads=())
+    yield HardScene("one ball, squeezed, free to move off", "one ball", pushed)
     ring = with_lead(base, 0.0)
     rz = (Support(0.0, (("rz", 0.0),)),)
-    yield StabilityCase("one support: rotation", "support", replace(base, supports=rz))
-    yield StabilityCase("no support, no load", "support", replace(base, supports=(), loads=()))
-    yield StabilityCase("bearing, no support", "support", replace(ring, supports=()))
-    yield StabilityCase("no support", "support", replace(base, supports=()), HELIX)
+    yield HardScene("one support: rotation", "support", replace(base, supports=rz))
+    yield HardScene("no support, no load", "support", replace(base, supports=(), loads=()))
+    yield HardScene("bearing, no support", "support", replace(ring, supports=()))
+    yield HardScene("no support", "support", replace(base, supports=()), HELIX)
     held = (Support(0.0, (("ux", 0.0),)),)
-    yield StabilityCase("one support: lateral", "support", replace(base, supports=held), HELIX)
+    yield HardScene("one support: lateral", "support", replace(base, supports=held), HELIX)
     twist = (Load(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 10.0)),)
-    yield StabilityCase("bearing under torque", "support", replace(ring, supports=(), loads=twist), ROTATION)
+    yield HardScene("bearing under torque", "support", replace(ring, supports=(), loads=twist), ROTATION)
     two = replace(base, supports=rz, balls=replace(base.balls, azimuths=(0.0, 0.5)))
-    yield StabilityCase("two balls, one support", "support", two, TWO_BALLS)
+    yield HardScene("two balls, one support", "support", two, TWO_BALLS)
 
 
 # --- parts of other materials and sizes, and shafts with a nut and several bearings
@@ -245,34 +246,34 @@ PULLED = (
 )
 
 
-def _material_and_size_cases(base: Scene) -> Iterator[StabilityCase]:
+def _scenes_of_material_and_size(base: Scene) -> Iterator[HardScene]:
     """Yield hard scenes of the screw ``base``: other materials, one large ball, four balls, and a long shaft."""
     nut = replace(base, nut=replace(base.nut, material=POLYMER))
     balls = replace(base, balls=replace(base.balls, material=CERAMIC))
     for name, scene in (("polymer nut", nut), ("ceramic balls", balls)):
-        yield StabilityCase(name, "material", scene)
-        yield StabilityCase(f"{name}, no load", "material", replace(scene, loads=()))
-        yield StabilityCase(f"{name}, lateral", "material", _with_load(_with_axial_support_only(scene), (1000.0, 0.0, 0.0)))
+        yield HardScene(name, "material", scene)
+        yield HardScene(f"{name}, no load", "material", replace(scene, loads=()))
+        yield HardScene(f"{name}, lateral", "material", _with_load(_with_axial_support_only(scene), (1000.0, 0.0, 0.0)))
     for excess in (10e-6, 50e-6):
         large = replace(base, errors=Errors(balls=BallErrors(listed=((7, excess),))))
         for force in (0.0, 0.01, 5000.0):
             name = f"one ball {excess * 1e6:g} um too large, {force:g} N"
-            yield StabilityCase(name, "one large ball", _with_load(large, (0.0, 0.0, force)))
+            yield HardScene(name, "one large ball", _with_load(large, (0.0, 0.0, force)))
     four = with_ball_count(base, 4)
-    yield StabilityCase("4 balls, 0.01 N", "four balls", _with_load(four, (0.0, 0.0, 0.01)))
-    yield StabilityCase("4 balls, 100 kN", "four balls", _with_load(four, (0.0, 0.0, 1e5)))
-    yield StabilityCase("4 balls, lateral", "four balls", _with_load(_with_axial_support_only(four), (1000.0, 0.0, 0.0)))
+    yield HardScene("4 balls, 0.01 N", "four balls", _with_load(four, (0.0, 0.0, 0.01)))
+    yield HardScene("4 balls, 100 kN", "four balls", _with_load(four, (0.0, 0.0, 1e5)))
+    yield HardScene("4 balls, lateral", "four balls", _with_load(_with_axial_support_only(four), (1000.0, 0.0, 0.0)))
     long = replace(base, screw=replace(base.screw, length=LONG), nut=replace(base.nut, position=0.5 * LONG))
-    yield StabilityCase("6 m shaft", "long shaft", long)
-    yield StabilityCase("6 m shaft, lateral", "long shaft", _with_load(_with_axial_support_only(long), (1000.0, 0.0, 0.0)))
-    yield StabilityCase(
+    yield HardScene("6 m shaft", "long shaft", long)
+    yield HardScene("6 m shaft, lateral", "long shaft", _with_load(_with_axial_support_only(long), (1000.0, 0.0, 0.0)))
+    yield HardScene(
         "6 m shaft, moment at its end",
         "long shaft",
-        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, z=LONG),
+        _with_load(_with_axial_support_only(long), (0.0, 0.0, 0.0), 50.0, axial_position=LONG),
     )
 
 
-def shipped_shaft_scene(name: str) -> Assembly:
+def built_in_shaft_scene(name: str) -> Assembly:
     """Return the built-in scene ``name`` of a shaft with several nuts or bearings; TypeError if it has only one."""
     found = catalogue.shipped_scene(name)
     if not isinstance(found, Assembly):
@@ -285,7 +286,7 @@ def axis_of_balls_and_rollers() -> Assembly:
 
     The bearings are preloaded by axial offsets.
     """
-    axis, row = _axis_preloaded_by_offsets(), shipped_shaft_scene("smith-axis-taper").sets[0].parts
+    axis, row = _axis_preloaded_by_offsets(), built_in_shaft_scene("smith-axis-taper").sets[0].parts
     right = tuple(replace(s, kind="tapered roller bearing", parts=row) for s in axis.sets[3:])
     return replace(axis, sets=(*axis.sets[:3], *right))
 
@@ -296,8 +297,8 @@ def _axis_preloaded_by_offsets() -> Assembly:
     With this kind of preload all formulations solve the same equations.
     """
     towards = {"+z": -OFFSET, "-z": OFFSET, "both": 0.0}
-    return _change_every_nut_and_bearing(
-        shipped_shaft_scene("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
+    return _with_changed_nuts_and_bearings(
+        built_in_shaft_scene("axis-fixed-fixed"), lambda s: replace(s, preload=0.0, offset=towards.get(s.thrust, 0.0))
     )
 
 
@@ -314,7 +315,7 @@ def _with_axis_loads(axis: Assembly, axial_force: float, lateral_force: float = 
     return replace(axis, housings=moved, loads=(side,))
 
 
-def _change_every_nut_and_bearing(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
+def _with_changed_nuts_and_bearings(axis: Assembly, change: Callable[[RollingSet], RollingSet]) -> Assembly:
     """Return a copy of a ball-screw axis in which a function replaces each nut and each bearing row.
 
     ``change``: function that takes a nut or row and returns its replacement.
@@ -322,27 +323,27 @@ def _change_every_nut_and_bearing(axis: Assembly, change: Callable[[RollingSet],
     return replace(axis, sets=tuple(change(s) for s in axis.sets))
 
 
-def _change_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
+def _with_changed_ball_rows(axis: Assembly, change: Callable[[Scene], Scene]) -> Assembly:
     """Return a copy of a ball-screw axis in which a function replaces the geometry of each ball nut and row of balls.
 
     ``change``: function that takes the geometry and returns its replacement.
     """
-    return _change_every_nut_and_bearing(
+    return _with_changed_nuts_and_bearings(
         axis, lambda s: replace(s, parts=change(s.parts)) if isinstance(s.parts, Scene) else s
     )
 
 
-def _change_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
+def _with_changed_roller_rows(axis: Assembly, **changes: Any) -> Assembly:
     """Return a copy of a ball-screw axis with changed rows of rollers; ``changes``: new values by field of `RollerRow`."""
-    return _change_every_nut_and_bearing(
+    return _with_changed_nuts_and_bearings(
         axis, lambda s: replace(s, parts=replace(s.parts, **changes)) if isinstance(s.parts, RollerRow) else s
     )
 
 
 def _without_preload(axis: Assembly) -> Assembly:
     """Return a copy of a ball-screw axis without preload, axial offsets of bearings and geometric errors."""
-    bare = _change_every_nut_and_bearing(axis, lambda s: replace(s, preload=0.0, offset=0.0))
-    return _change_ball_rows(bare, lambda p: replace(p, errors=Errors()))
+    bare = _with_changed_nuts_and_bearings(axis, lambda s: replace(s, preload=0.0, offset=0.0))
+    return _with_changed_ball_rows(bare, lambda p: replace(p, errors=Errors()))
 
 
 def _with_ball_count(scene: Scene, count: int) -> Scene:
@@ -352,7 +353,7 @@ def _with_ball_count(scene: Scene, count: int) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
+def _with_longer_shaft(axis: Assembly, length: float) -> Assembly:
     """Return a copy of a ball-screw axis with a longer shaft.
 
     ``length``: new length of the shaft [m]. Parts near the right end move with the end, the carriage and other parts near
@@ -371,14 +372,14 @@ def _lengthen_axis(axis: Assembly, length: float) -> Assembly:
         return replace(s, position=at)
 
     return replace(
-        _change_every_nut_and_bearing(axis, moved_row),
+        _with_changed_nuts_and_bearings(axis, moved_row),
         screw=replace(axis.screw, length=length),
         housings=tuple(replace(h, at=moved_position(h.at)) for h in axis.housings),
         segments=tuple(replace(x, start=moved_position(x.start), end=moved_position(x.end)) for x in axis.segments),
     )
 
 
-def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+def _axis_variants_of_loads(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard variants of a ball-screw axis: other loads, no preload, and a warmer or colder shaft."""
     for force in (0.0, 0.01, 3000.0, -3000.0, 1e6):
         yield f"axial {force:g} N", _with_axis_loads(axis, force)
@@ -394,7 +395,7 @@ def _axis_load_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
         yield f"{warming:+g} K", replace(axis, thermal_strain=warming * EXPANSION)
 
 
-def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+def _axis_variants_of_parts(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard variants of a ball-screw axis: other materials, conformity and balls, and a long shaft."""
 
     def is_nut(p: Scene) -> bool:
@@ -402,68 +403,66 @@ def _axis_part_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
 
     yield (
         "polymer nut",
-        _change_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if is_nut(p) else p),
+        _with_changed_ball_rows(axis, lambda p: replace(p, nut=replace(p.nut, material=POLYMER)) if is_nut(p) else p),
     )
-    yield "ceramic balls", _change_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
-    yield "conformity 0.505", _change_ball_rows(axis, lambda p: with_groove_radius_ratio(p, 1.01))
+    yield "ceramic balls", _with_changed_ball_rows(axis, lambda p: replace(p, balls=replace(p.balls, material=CERAMIC)))
+    yield "conformity 0.505", _with_changed_ball_rows(axis, lambda p: with_groove_radius_ratio(p, 1.01))
     one = Errors(balls=BallErrors(listed=((7, 20e-6),)))
-    yield "one ball 20 um too large in each set", _change_ball_rows(axis, lambda p: replace(p, errors=one))
-    four = _change_ball_rows(axis, lambda p: _with_ball_count(p, 4))
+    yield "one ball 20 um too large in each set", _with_changed_ball_rows(axis, lambda p: replace(p, errors=one))
+    four = _with_changed_ball_rows(axis, lambda p: _with_ball_count(p, 4))
     yield "4 balls in each set", four
     yield "4 balls in each set, across 1000 N", _with_axis_loads(four, 3000.0, 1e3)
-    long = _lengthen_axis(axis, LONG)
+    long = _with_longer_shaft(axis, LONG)
     yield "6 m shaft", long
     yield "6 m shaft, across 1000 N", _with_axis_loads(long, 3000.0, 1e3)
     yield "6 m shaft, -300 K", replace(long, thermal_strain=-300.0 * EXPANSION)
 
 
-def _roller_cases(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
+def _axis_variants_of_rollers(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard variants of a ball-screw axis with other rollers: slices, crown, number, angles, material."""
     crossed = _with_axis_loads(axis, 2000.0, 2000.0)
-    yield "1 slice, across", _change_roller_rows(crossed, slices=1)
-    yield "101 slices, across", _change_roller_rows(crossed, slices=101)
-    yield "crown of 0.1 m, across", _change_roller_rows(crossed, crown=0.1)
-    yield "3 rollers, across", _change_roller_rows(crossed, count=3)
-    yield "100 rollers", _change_roller_rows(crossed, count=100)
-    yield "cup angle 5 deg", _change_roller_rows(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
-    yield "ceramic rings and rollers", _change_roller_rows(crossed, material=CERAMIC)
+    yield "1 slice, across", _with_changed_roller_rows(crossed, slices=1)
+    yield "101 slices, across", _with_changed_roller_rows(crossed, slices=101)
+    yield "crown of 0.1 m, across", _with_changed_roller_rows(crossed, crown=0.1)
+    yield "3 rollers, across", _with_changed_roller_rows(crossed, count=3)
+    yield "100 rollers", _with_changed_roller_rows(crossed, count=100)
+    yield "cup angle 5 deg", _with_changed_roller_rows(crossed, cup_angle=math.radians(5.0), roller_angle=math.radians(0.7))
+    yield "ceramic rings and rollers", _with_changed_roller_rows(crossed, material=CERAMIC)
 
 
-def _axis_cases() -> Iterator[StabilityCase]:
+def _hard_axis_scenes() -> Iterator[HardScene]:
     """Yield hard scenes of ball-screw axes with ball bearings and tapered roller bearings."""
     mixed, rollers, balls = (
         axis_of_balls_and_rollers(),
-        shipped_shaft_scene("smith-axis-taper"),
+        built_in_shaft_scene("smith-axis-taper"),
         _axis_preloaded_by_offsets(),
     )
     for kind, axis, groups in (
-        ("balls and rollers", mixed, (_axis_load_cases, _axis_part_cases, _roller_cases)),
-        ("rollers", rollers, (_axis_load_cases, _roller_cases)),
+        ("balls and rollers", mixed, (_axis_variants_of_loads, _axis_variants_of_parts, _axis_variants_of_rollers)),
+        ("rollers", rollers, (_axis_variants_of_loads, _axis_variants_of_rollers)),
     ):
         for group in groups:
             for name, scene in group(axis):
-                yield StabilityCase(f"axis of {kind}: {name}", f"axis of {kind}", scene)
+                yield HardScene(f"axis of {kind}: {name}", f"axis of {kind}", scene)
     for warming in WARMING:
         heated = replace(balls, thermal_strain=warming * EXPANSION)
-        yield StabilityCase(f"axis of balls: {warming:+g} K", "axis of balls", heated)
+        yield HardScene(f"axis of balls: {warming:+g} K", "axis of balls", heated)
     alone = replace(rollers, sets=rollers.sets[:1], housings=())
     for force in (1000.0, -1000.0):
         held = PULLED if force > 0.0 else CONVERGED
-        yield StabilityCase(
-            f"one row of rollers: axial {force:g} N", "axis of rollers", _with_axis_loads(alone, force), held
-        )
+        yield HardScene(f"one row of rollers: axial {force:g} N", "axis of rollers", _with_axis_loads(alone, force), held)
 
 
-def extreme_cases() -> list[StabilityCase]:
+def hard_scenes() -> list[HardScene]:
     """Return all hard scenes in a fixed order: variants of the screw ``lin-case1``, then shafts with several bearings."""
     base = catalogue.scene("lin-case1")
     groups = (
-        _load_cases,
-        _clearance_and_preload_cases,
-        _stiffness_cases,
-        _geometry_cases,
-        _cases_with_free_rigid_motion,
-        _material_and_size_cases,
+        _scenes_of_loads,
+        _scenes_of_clearance_and_preload,
+        _scenes_of_stiffness,
+        _scenes_of_geometry,
+        _scenes_with_free_rigid_motion,
+        _scenes_of_material_and_size,
     )
-    found = [*(c for group in groups for c in group(base)), *_axis_cases()]
+    found = [*(c for group in groups for c in group(base)), *_hard_axis_scenes()]
     return [replace(c, scene=replace(c.scene, name=c.name)) for c in found]

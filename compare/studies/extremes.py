@@ -1,6 +1,6 @@
 """Numerical stability: scenes that are hard to solve, solved by several formulations of the equations.
 
-The scenes are in `extreme_cases`. A second formulation, whose unknowns are the contact loads and which uses the compliance
+The scenes are in `hard_scenes`. A second formulation, whose unknowns are the contact loads and which uses the compliance
 of the same beam, must find the same loads. It does not solve rows of rollers without balls; for these the load-displacement
 law of every roller slice is checked instead.
 
@@ -27,11 +27,11 @@ import numpy as np
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extreme_cases import CONVERGED, StabilityCase, extreme_cases
-from rollbench.lowfi.as_source import Start, solve_by_source_equations
+from rollbench.compare.studies.extreme_cases import CONVERGED, HardScene, hard_scenes
+from rollbench.lowfi.as_source import Start, solve_by_lin_equations
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.rollers import slice_middles, tapered_bearing
-from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
+from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import build_problem
@@ -41,7 +41,7 @@ from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.summary import BALANCE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.processes import single_thread_workers
@@ -62,7 +62,7 @@ SOURCE: dict[str, Start] = {
 FORCES = "contact loads, same equations"
 
 #: Models of elastic bodies by the name of their formulation; all must solve the hard scenes.
-BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.extremes}
+BACKENDS = {FORCES: "lin"} | {m.label: m.name for m in MODELS.values() if m.solves_hard_scenes}
 
 #: Names of all formulations of the equations.
 FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
@@ -121,7 +121,7 @@ class FormulationOutcome:
 # --- solution of the hard scenes
 
 
-def solve_case_by_formulation(case: StabilityCase, formulation: str) -> FormulationOutcome:
+def solve_hard_scene_by_formulation(hard_scene: HardScene, formulation: str) -> FormulationOutcome:
     """Solve one hard scene by one formulation; a failure of the solver becomes part of the result and raises no exception.
 
     The energy solver has a beam node at every contact. Newton's method as in Lin's thesis has its nodes every 15 mm, with
@@ -129,7 +129,7 @@ def solve_case_by_formulation(case: StabilityCase, formulation: str) -> Formulat
 
     Parameters
     ----------
-    case
+    hard_scene
         The hard scene.
     formulation
         One of ``FORMULATIONS``.
@@ -140,11 +140,11 @@ def solve_case_by_formulation(case: StabilityCase, formulation: str) -> Formulat
         Status, residual, time and differences of the solution.
     """
     if formulation == ENERGY:
-        return _attempt_by_energy_solver(case)
+        return _solve_by_energy_solver(hard_scene)
     return (
-        _attempt_by_force_formulation(case, formulation)
+        _solve_for_contact_loads(hard_scene, formulation)
         if formulation in BACKENDS
-        else _attempt_by_source_newton(case, formulation)
+        else _solve_by_thesis_newton(hard_scene, formulation)
     )
 
 
@@ -162,18 +162,18 @@ def _solve_by_energy(scene: Scene | Assembly) -> StaticResult | AxisResult:
     return solve_static(scene, engine="compiled")
 
 
-def _attempt_by_energy_solver(case: StabilityCase, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
+def _solve_by_energy_solver(hard_scene: HardScene, result: StaticResult | AxisResult | None = None) -> FormulationOutcome:
     """Solve a hard scene by the energy solver, and return the outcome.
 
     ``result``: static result of the energy solver for this scene; None: the scene is solved first.
     """
     begin = perf_counter()
-    row = _outcome_from_result(case, ENERGY, result or _solve_by_energy(case.scene), begin)
+    row = _outcome_from_result(hard_scene, ENERGY, result or _solve_by_energy(hard_scene.scene), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
-def _attempt_by_force_formulation(
-    case: StabilityCase, formulation: str, energy_result: StaticResult | AxisResult | None = None
+def _solve_for_contact_loads(
+    hard_scene: HardScene, formulation: str, energy_result: StaticResult | AxisResult | None = None
 ) -> FormulationOutcome:
     """Solve a hard scene by a formulation whose unknowns are the contact loads, and return the outcome.
 
@@ -183,19 +183,19 @@ def _attempt_by_force_formulation(
     """
     begin, backend = perf_counter(), BACKENDS[formulation]
     try:
-        if case.scene.ball_count > ELASTIC_LIMIT:
-            raise ValueError(f"{case.scene.ball_count} balls")
-        if not case.scene.ball_count:
+        if hard_scene.scene.ball_count > ELASTIC_LIMIT:
+            raise ValueError(f"{hard_scene.scene.ball_count} balls")
+        if not hard_scene.scene.ball_count:
             raise ValueError("a shaft with roller bearings only has no elastic body but its beam")
-        solve: Any = solve_refined if isinstance(case.scene, Assembly) else solve_elastic
-        result = solve(case.scene, backend=LADDER[backend], engine="compiled")
+        solve: Any = solve_assembly_with_elastic_bodies if isinstance(hard_scene.scene, Assembly) else solve_elastic
+        result = solve(hard_scene.scene, backend=LADDER[backend], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
-        return _make_attempt(case, formulation, status, seconds=spent, reason=status)
-    row = _outcome_from_result(case, formulation, result, begin)
+        return _outcome_with_status(hard_scene, formulation, status, seconds=spent, reason=status)
+    row = _outcome_from_result(hard_scene, formulation, result, begin)
     if formulation != FORCES or not row.converged:
         return row
-    energy_result = energy_result or _solve_by_energy(case.scene)
+    energy_result = energy_result or _solve_by_energy(hard_scene.scene)
     apart = (
         _largest_load_difference(_loads_of_all_contacts(result), _loads_of_all_contacts(energy_result))
         if energy_result.converged
@@ -213,35 +213,43 @@ def _loads_of_all_contacts(result: StaticResult | AxisResult) -> Array:
 
 
 def _outcome_from_result(
-    case: StabilityCase, formulation: str, result: StaticResult | AxisResult, begin: float
+    hard_scene: HardScene, formulation: str, result: StaticResult | AxisResult, start_time: float
 ) -> FormulationOutcome:
     """Return the outcome of a formulation from its static result; its loads are not compared with the energy solver's.
 
-    ``begin``: value of ``perf_counter`` [s] at which the solution began.
+    ``start_time``: value of ``perf_counter`` [s] at which the solution began.
     """
-    status, s = _reason_for_false_convergence(result) or result.status, result.solver
-    return _make_attempt(
-        case,
+    status, s = _why_not_in_equilibrium(result) or result.status, result.solver
+    return _outcome_with_status(
+        hard_scene,
         formulation,
         status,
         iterations=s.iterations,
         residual=_finite_or_none(s.residual),
         round_off_bound=s.round_off_bound,
-        seconds=perf_counter() - begin,
+        seconds=perf_counter() - start_time,
         unknowns=s.unknowns,
         reason="; ".join((_first_clause_of_status(status), *result.warnings)),
     )
 
 
-def _make_attempt(case: StabilityCase, formulation: str, status: str, **found: Any) -> FormulationOutcome:
+def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, **found: Any) -> FormulationOutcome:
     """Return the outcome of a formulation for a hard scene with a given status.
 
     ``found``: values of further fields of `FormulationOutcome` by name.
     """
-    return FormulationOutcome(case.name, case.group, formulation, status, case.expected, status == CONVERGED, **found)
+    return FormulationOutcome(
+        hard_scene.name,
+        hard_scene.table_group,
+        formulation,
+        status,
+        hard_scene.expected_status,
+        status == CONVERGED,
+        **found,
+    )
 
 
-def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
+def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
     """Check a result that is reported as converged: return why it is no equilibrium, empty if it is one.
 
     It is checked that all numbers are finite, that the residual is small, that forces and moments balance, and that the
@@ -260,21 +268,26 @@ def _reason_for_false_convergence(result: StaticResult | AxisResult) -> str:
         if any(not h.residual <= BALANCE for h in result.housings):
             return "claims convergence, but forces and moments on a housing do not balance"
         for row in result.sets if result.model == "lin" else ():
-            if slice_law_residual(row, result) > SLICES:
+            if roller_slice_law_residual(row, result) > SLICES:
                 return f"claims convergence, but slice loads of {row.of.name} do not follow from their approach"
     return ""
 
 
-def slice_law_residual(row: SetResult, result: AxisResult) -> float:
+def roller_slice_law_residual(roller_row_result: SetResult, result: AxisResult) -> float:
     """Return the largest deviation of a roller slice's line load from its load-approach law, over the largest line load.
 
-    ``row``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows from the
-    displacements of cone and cup; their round-off is allowed for. Zero for a row of balls, and for rollers without load.
+    ``roller_row_result``: solved row of tapered rollers; ``result``: solution of the shaft. The approach of a slice follows
+    from the displacements of cone and cup; their round-off is allowed for. Zero for a row of balls, and for rollers without
+    load.
     """
-    parts, lines = row.of.parts, row.line_loads
+    parts, lines = roller_row_result.of.parts, roller_row_result.line_loads
     if not isinstance(parts, RollerRow) or lines is None or not lines.any():
         return 0.0
-    bearing, sign, angle = tapered_bearing(parts), 1.0 if row.of.thrust == "+z" else -1.0, parts.cup_angle
+    bearing, sign, angle = (
+        tapered_bearing_of_row(parts),
+        1.0 if roller_row_result.of.thrust == "+z" else -1.0,
+        parts.cup_angle,
+    )
     azimuth, along = (
         parts.phase + 2.0 * np.pi * np.arange(parts.count) / parts.count,
         slice_middles(parts.length, parts.slices),
@@ -283,55 +296,64 @@ def slice_law_residual(row: SetResult, result: AxisResult) -> float:
     axis, reach = np.array([0.0, 0.0, sign]), bearing.apex_distance * np.sin(angle) + along[:, None] * np.sin(angle)
     at = reach * out - along[:, None] * np.cos(angle) * axis
     normal = np.cos(angle) * out + np.sin(angle) * axis
-    shaft = result.centreline[int(np.abs(result.centreline_z - row.of.position).argmin())]
-    moved = shaft - row.outer
+    shaft = result.centreline[int(np.abs(result.centreline_z - roller_row_result.of.position).argmin())]
+    moved = shaft - roller_row_result.outer
     approach = np.sum(normal * (moved[:3] + np.cross(moved[3:], at)), axis=-1) - along**2 / parts.crown
-    law = bearing.law()
+    law = bearing.approach_law()
     edge = np.exp(law.g / law.s - 4.0)  # from here on the law goes on along its tangent
     most = law.approach(edge)
-    expected = law.line_load(np.clip(approach, 0.0, most)) + law.slope(edge) * np.maximum(approach - most, 0.0)
-    noise = 64.0 * np.finfo(float).eps * float(np.abs([*shaft[:3], *row.outer[:3]]).max()) * law.slope(lines).max()
+    expected = law.line_load(np.clip(approach, 0.0, most)) + law.stiffness_per_length(edge) * np.maximum(
+        approach - most, 0.0
+    )
+    noise = (
+        64.0
+        * np.finfo(float).eps
+        * float(np.abs([*shaft[:3], *roller_row_result.outer[:3]]).max())
+        * law.stiffness_per_length(lines).max()
+    )
     return float(np.abs(expected - lines).max() / (lines.max() + noise / SLICES))
 
 
-def _with_beam_nodes_of_source(scene: Scene) -> Scene:
+def _with_beam_nodes_of_thesis(scene: Scene) -> Scene:
     """Return a copy of a scene in which the nodes of the screw's beam are at the positions of Lin's thesis."""
     return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
 
 
-def source_unknowns(scene: Scene) -> int:
+def unknown_count_of_thesis_equations(scene: Scene) -> int:
     """Return the number of unknowns of a scene in the equations of Lin's thesis."""
     layout = ball_layout(scene)
-    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    problem = build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
     return 6 * layout.z.size + problem.unknowns
 
 
-def _attempt_by_source_newton(
-    case: StabilityCase, formulation: str, energy_result: StaticResult | None = None
+def _solve_by_thesis_newton(
+    hard_scene: HardScene, formulation: str, energy_result: StaticResult | None = None
 ) -> FormulationOutcome:
     """Solve a hard scene by Newton's method as in Lin's thesis, and return the outcome.
 
     ``formulation``: a key of `SOURCE`; ``energy_result``: static result of the energy solver with the same beam nodes, None
     to compute it.
     """
-    if isinstance(case.scene, Assembly):
+    if isinstance(hard_scene.scene, Assembly):
         status = "not attempted: Lin's thesis has a single nut on its shaft"
-        return _make_attempt(case, formulation, status, reason=status)
-    scene = _with_beam_nodes_of_source(case.scene)
-    unknowns = source_unknowns(scene)
+        return _outcome_with_status(hard_scene, formulation, status, reason=status)
+    scene = _with_beam_nodes_of_thesis(hard_scene.scene)
+    unknowns = unknown_count_of_thesis_equations(scene)
     iterations, residual, seconds, difference = 0, math.nan, 0.0, None
     if unknowns > DENSE_LIMIT:
         status = f"not attempted: dense Jacobian of {unknowns} unknowns"
     elif scene.ingredients.screw == "rigid":
         status = "not attempted: the screw of Lin's thesis is a beam, not rigid"
     else:
-        found = solve_by_source_equations(scene, kinematics="arc", start=SOURCE[formulation])
+        found = solve_by_lin_equations(scene, kinematics="arc", start_values=SOURCE[formulation])
         status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
         if found.converged:
             energy_result = energy_result if energy_result is not None else solve_static(scene, engine="compiled")
-            difference = _largest_load_difference(found.load, energy_result.load) if energy_result.converged else None
-    return _make_attempt(
-        case,
+            difference = (
+                _largest_load_difference(found.contact_loads, energy_result.load) if energy_result.converged else None
+            )
+    return _outcome_with_status(
+        hard_scene,
         formulation,
         status,
         iterations=iterations,
@@ -375,17 +397,17 @@ def _first_clause_of_status(status: str) -> str:
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
-def _attempt_all_formulations(case: StabilityCase) -> list[FormulationOutcome]:
+def _solve_by_all_formulations(hard_scene: HardScene) -> list[FormulationOutcome]:
     """Solve a hard scene by every formulation and return the outcomes, the energy solver's first."""
-    found, ours = _solve_by_energy(case.scene), None
-    if isinstance(case.scene, Scene):
-        scene = _with_beam_nodes_of_source(case.scene)
-        ours = solve_static(scene, engine="compiled") if source_unknowns(scene) <= DENSE_LIMIT else None
-    rows = [_attempt_by_energy_solver(case, found)] + [_attempt_by_force_formulation(case, f, found) for f in BACKENDS]
-    return rows + [_attempt_by_source_newton(case, f, ours) for f in SOURCE]
+    found, ours = _solve_by_energy(hard_scene.scene), None
+    if isinstance(hard_scene.scene, Scene):
+        scene = _with_beam_nodes_of_thesis(hard_scene.scene)
+        ours = solve_static(scene, engine="compiled") if unknown_count_of_thesis_equations(scene) <= DENSE_LIMIT else None
+    rows = [_solve_by_energy_solver(hard_scene, found)] + [_solve_for_contact_loads(hard_scene, f, found) for f in BACKENDS]
+    return rows + [_solve_by_thesis_newton(hard_scene, f, ours) for f in SOURCE]
 
 
-def solve_all_hard_cases(
+def solve_all_hard_scenes(
     progress: Callable[[int, int, str], None] = lambda *_: None, *, n_jobs: int = 2
 ) -> list[FormulationOutcome]:
     """Solve every hard scene by every formulation of the equations, in several processes.
@@ -400,26 +422,26 @@ def solve_all_hard_cases(
     Returns
     -------
     list of FormulationOutcome
-        Outcomes in the order of `extreme_cases`.
+        Outcomes in the order of `hard_scenes`.
     """
     from joblib import Parallel, delayed
 
-    every, rows = extreme_cases(), list[FormulationOutcome]()
+    every, rows = hard_scenes(), list[FormulationOutcome]()
     with single_thread_workers():
         workers = Parallel(n_jobs=n_jobs, return_as="generator")
-    for i, found in enumerate(workers(delayed(_attempt_all_formulations)(c) for c in every)):
+    for i, found in enumerate(workers(delayed(_solve_by_all_formulations)(c) for c in every)):
         rows += found
         progress(i + 1, len(every), every[i].name)
     return rows
 
 
-def unexpected_attempts(rows: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
+def unexpected_outcomes(outcomes: Sequence[FormulationOutcome]) -> list[FormulationOutcome]:
     """Return those outcomes of rollbench's own formulations that are not as expected.
 
     Expected is convergence, or for a scene that is not held the status that names its free rigid motion. Also returned are
     outcomes whose contact loads differ from those of the energy solver.
     """
-    ours = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
+    ours = [r for r in outcomes if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [
         r for r in ours if (r.status != r.expected and r.is_formulation_applicable) or (r.difference_percent or 0.0) > SAME
     ]
@@ -428,12 +450,12 @@ def unexpected_attempts(rows: Sequence[FormulationOutcome]) -> list[FormulationO
 # --- rows of the report's table
 
 
-def stability_table_rows(rows: Sequence[FormulationOutcome]) -> list[dict[str, Cell]]:
+def stability_table_rows(outcomes: Sequence[FormulationOutcome]) -> list[dict[str, Cell]]:
     """Return the rows of the report's stability table, one for each hard scene, with the status of each formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
-    for row in rows:
+    for row in outcomes:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
-        line[row.formulation] = status_cell(row)
+        line[row.formulation] = outcome_cell_text(row)
         if row.formulation == ENERGY:
             line |= {key: getattr(row, key) for key in ("iterations", "residual", "seconds", "unknowns")}
             line["bound"] = row.round_off_bound
@@ -442,23 +464,23 @@ def stability_table_rows(rows: Sequence[FormulationOutcome]) -> list[dict[str, C
     return list(by_case.values())
 
 
-def status_cell(row: FormulationOutcome) -> str:
+def outcome_cell_text(outcome: FormulationOutcome) -> str:
     """Return the outcome of a formulation as text for a table cell: number of iterations, else the solver's status."""
-    if row.status == CONVERGED:
-        apart = row.difference_percent
+    if outcome.status == CONVERGED:
+        apart = outcome.difference_percent
         other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
-        return f"converged, {row.iterations} it.{other}"
-    return row.status.split(" (")[0]
+        return f"converged, {outcome.iterations} it.{other}"
+    return outcome.status.split(" (")[0]
 
 
-def count_outcomes(rows: Sequence[FormulationOutcome]) -> dict[str, tuple[int, int, int]]:
+def count_expected_outcomes(outcomes: Sequence[FormulationOutcome]) -> dict[str, tuple[int, int, int]]:
     """Count for each formulation the scenes with the expected outcome, the scenes that were tried, and all scenes.
 
     The outcome is as expected if the solver converged, or if it named the scene's free rigid motion.
     """
     out = {}
     for formulation in FORMULATIONS:
-        attempts = [r for r in rows if r.formulation == formulation]
+        attempts = [r for r in outcomes if r.formulation == formulation]
         tried = [r for r in attempts if r.is_formulation_applicable]
         out[formulation] = (sum(r.status == r.expected for r in tried), len(tried), len(attempts))
     return out
@@ -479,7 +501,7 @@ MISSTATED = "misstated by the command line"
 GOOD, BAD = (RIGHT, REFUSED, PROVEN, NOT_UNIQUE), (WRONG, UNPROVEN, SILENT, CRASHED, MISSTATED)
 
 
-def read_campaigns(path: Path) -> list[Record]:
+def read_campaign_records(path: Path) -> list[Record]:
     """Read the records of test campaigns, each of many random scenes, from a JSON file.
 
     The list is empty if the file is missing or has other content.
@@ -494,12 +516,12 @@ def read_campaigns(path: Path) -> list[Record]:
     return records if good else []
 
 
-def shipped_campaigns() -> list[Record]:
+def built_in_campaign_records() -> list[Record]:
     """Return the records of test campaigns, each of many random scenes, that are part of the package."""
-    return read_campaigns(Path(__file__).with_name("campaign.json"))
+    return read_campaign_records(Path(__file__).with_name("campaign.json"))
 
 
-def campaign_rows(records: Sequence[Record]) -> list[Row]:
+def campaign_table_rows(records: Sequence[Record]) -> list[Row]:
     """Return the rows of the report's table of test campaigns, one for each campaign of many random scenes.
 
     ``records``: records of the campaigns. A row has the command, the version, and the numbers of scenes, damaged files and

@@ -12,15 +12,21 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.comparison import Referenced, stored_references
-from rollbench.compare.models.modelling import unchanged_run
+from rollbench.compare.models.comparison import SceneWithReference, stored_references
+from rollbench.compare.models.modelling import run_without_changed_choices
 from rollbench.compare.reference.convergence import grid_convergence, pooled_grid_uncertainty
-from rollbench.compare.reference.estimate import FITTED, Reference, mesh_uncertainty, read_experience, reference_from_runs
-from rollbench.compare.reference.jobs import Engine, ensure, modelling_variant_names, plan_tasks
+from rollbench.compare.reference.estimate import (
+    FITTED,
+    Reference,
+    mesh_uncertainty,
+    read_uncertainty_of_other_scenes,
+    reference_from_runs,
+)
+from rollbench.compare.reference.jobs import ComputingSettings, ensure_runs_are_stored, modelling_variant_names, plan_tasks
 from rollbench.compare.reference.levels import ADVISED, LEVELS, VARIANTS
-from rollbench.compare.reference.store import Run, load_run, measuring_conditions, shipped_store
-from rollbench.compare.reference.tasks import Solvable, Task
-from rollbench.compare.results.comparison import set_keys, unconverged_error
+from rollbench.compare.reference.store import Run, load_stored_run, measuring_conditions, shipped_store
+from rollbench.compare.reference.tasks import ReferenceTask, Solvable
+from rollbench.compare.results.comparison import scene_and_set_keys, unconverged_error
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
@@ -34,7 +40,7 @@ CLEARLY = 0.8
 SCATTERS = "no order: contact loads scatter from mesh to mesh"
 
 
-def _extreme_load(side: int, sign: float, run: Run) -> float:
+def _extreme_flank_load(side: int, sign: float, run: Run) -> float:
     """Return the largest or smallest contact load on one flank by a solution of the 3D reference [N].
 
     ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right); ``sign``: 1 for the
@@ -43,7 +49,7 @@ def _extreme_load(side: int, sign: float, run: Run) -> float:
     return float(sign * (sign * run.load[:, side]).max())
 
 
-def _ball_load(ball: int, side: int, run: Run) -> float:
+def _contact_load_of_ball(ball: int, side: int, run: Run) -> float:
     """Return the load of one ball on one flank by a solution of the 3D reference [N].
 
     ``ball``: number of the ball from 0; ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR; ``run``: the solution.
@@ -60,7 +66,7 @@ def _centreline_displacement(station: int, axis: int, run: Run) -> float:
     return float(1e6 * run.centreline[station, 1 + axis])
 
 
-def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
+def mesh_study_quantities(run: Run) -> list[tuple[str, str, Take]]:
     """Return the quantities that a mesh study compares: name, unit, and a function that reads the value from a solution.
 
     ``run``: a solution of the 3D reference, which determines the balls, flanks and axial positions.
@@ -69,10 +75,12 @@ def study_quantities(run: Run) -> list[tuple[str, str, Take]]:
     for s, side in enumerate(SIDES):
         if (run.load[:, s] > 0.0).any():
             out += [
-                (f"largest load, {side}", "N", partial(_extreme_load, s, 1.0)),
-                (f"smallest load, {side}", "N", partial(_extreme_load, s, -1.0)),
+                (f"largest load, {side}", "N", partial(_extreme_flank_load, s, 1.0)),
+                (f"smallest load, {side}", "N", partial(_extreme_flank_load, s, -1.0)),
             ]
-            out += [(f"load of ball {i + 1}, {side}", "N", partial(_ball_load, i, s)) for i in range(len(run.load))]
+            out += [
+                (f"load of ball {i + 1}, {side}", "N", partial(_contact_load_of_ball, i, s)) for i in range(len(run.load))
+            ]
     for k in sorted({0, len(run.centreline) // 2}):
         for axis, name in enumerate("xyz"):
             z = 1e3 * run.centreline[k, 0]
@@ -96,11 +104,11 @@ def reference_from_stored_runs(
     levels
         Mesh levels.
     """
-    runs = tuple(r for k in levels if (r := load_run(scene, k, stores=stores)) is not None)
+    runs = tuple(r for k in levels if (r := load_stored_run(scene, k, stores=stores)) is not None)
     return reference_from_runs(scene.name, scene, runs, contacts=nominal_contacts(scene)) if runs else None
 
 
-def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
+def mesh_level_table_rows(reference: Reference) -> list[dict[str, Any]]:
     """Return a table row for each mesh level, coarsest first: size, time and accuracy.
 
     Parameters
@@ -113,7 +121,7 @@ def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
     list of dict
         For each mesh level: cell size over that of the finest level; number of unknowns that one mesh of all bodies would
         have; seconds without cached parts, with the conditions of their measurement; largest difference of a contact load
-        from the finest level, and `load_uncertainty_of_run`, both in % of the mean load.
+        from the finest level, and `load_uncertainty_up_to_run`, both in % of the mean load.
     """
     return [
         {
@@ -123,30 +131,30 @@ def mesh_level_rows(reference: Reference) -> list[dict[str, Any]]:
             "seconds": run.setup_seconds + run.solve_seconds,
             "measured_with": str(run.measured),
             "difference_percent": load_error(run.load, reference.load, reference.contacts).max_percent,
-            "enough_for_percent": load_uncertainty_of_run(reference, k),
+            "enough_for_percent": load_uncertainty_up_to_run(reference, k),
         }
         for k, (run, size) in enumerate(zip(reference.runs, reference.sizes, strict=True))
     ]
 
 
-def load_uncertainty_of_run(reference: Reference, run_index: int) -> float:
+def load_uncertainty_up_to_run(reference: Reference, run_index: int) -> float:
     """Return the mesh uncertainty of the contact loads by run ``run_index`` and the runs on coarser meshes alone.
 
     ``reference``: 3D reference with its runs; ``run_index``: number of the run from 0, coarsest mesh first. The uncertainty
     is the root mean square over the contacts [% of the mean load]; for the coarsest mesh alone it is that of other scenes.
     """
     loads = {run.level: run.load for run in reference.runs[max(0, run_index + 1 - FITTED) : run_index + 1]}
-    return mesh_uncertainty(loads, read_experience(shipped_store())).bar
+    return mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())).uncertainty
 
 
-def accuracy_sentence(reference: Reference) -> str:
+def mesh_accuracy_sentence(reference: Reference) -> str:
     """Return a sentence on the accuracy and time of each mesh level, and on levels that are hardly more accurate.
 
     Percentages are rounded up. Times are given if all were measured together on one machine.
     """
     stamps = {run.measured for run in reference.runs}
     steps, idle = list[tuple[str, float]](), list[int]()
-    for row in mesh_level_rows(reference):
+    for row in mesh_level_table_rows(reference):
         good, time = row["enough_for_percent"], f" ({row['seconds']:.0f} s)" if len(stamps) == 1 else ""
         if steps and good > CLEARLY * steps[-1][1]:
             idle.append(row["level"])
@@ -202,15 +210,15 @@ def mesh_study_table_of_scene(
     if reference is None:
         return []
     coarsest = min(LEVELS)
-    base = unchanged_run(scene, coarsest, stores)
+    base = run_without_changed_choices(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
     return mesh_study_table_of_reference(
-        reference, base, {v: r for v in others if (r := load_run(scene, coarsest, v, stores)) is not None}
+        reference, base, {v: r for v in others if (r := load_stored_run(scene, coarsest, v, stores)) is not None}
     )
 
 
 def mesh_study_table_of_reference(
-    reference: Reference, base: Run | None, changed: Mapping[str, Run]
+    reference: Reference, unchanged_run: Run | None, changed_runs: Mapping[str, Run]
 ) -> list[dict[str, Any]]:
     """Return the table of a mesh study from the solutions of a 3D reference (columns as in `mesh_study_table_of_scene`).
 
@@ -218,13 +226,13 @@ def mesh_study_table_of_reference(
     ----------
     reference
         3D reference with its runs.
-    base
+    unchanged_run
         Run with the usual modelling choices, with which the variants are compared; None: no variants.
-    changed
+    changed_runs
         Runs with one modelling choice changed, by the name of the variant.
     """
     runs, table = reference.runs, []
-    shown = [(name, unit, take) for name, unit, take in study_quantities(runs[-1]) if any(take(r) for r in runs)]
+    shown = [(name, unit, take) for name, unit, take in mesh_study_quantities(runs[-1]) if any(take(r) for r in runs)]
     lines = [take for _, _, take in shown if take.func is _centreline_displacement]
     of_two: dict[Take, float] = {}
     if len(runs) == 2 and lines:  # each alone may agree by chance
@@ -244,55 +252,59 @@ def mesh_study_table_of_reference(
             observed = grid_convergence(values, reference.sizes) if contact is None else None
             bar = of_two.get(take, observed.uncertainty) if observed else float(reference.uncertainty[contact])
             row |= {
-                "order": observed and observed.order,
-                "extrapolated": observed and observed.extrapolated,
+                "order": observed and observed.credible_order,
+                "extrapolated": observed and observed.extrapolated_value,
                 "uncertainty": bar,
                 "uncertainty_percent": _percent_of(bar, values[-1]),
-                "kind": observed.text if observed else SCATTERS,
+                "kind": observed.kind_text if observed else SCATTERS,
             }
-        if base is not None and changed:
-            moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
-            row["modelling_spread"] = _root_of_squares(moves)
+        if unchanged_run is not None and changed_runs:
+            moves = {v: abs(take(r) - take(unchanged_run)) for v, r in changed_runs.items()}
+            row["modelling_spread"] = _combined_choice_effect(moves)
             row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
         table.append(row)
     return table
 
 
-def _ball_and_flank_of_quantity(take: Take, finest: Run) -> tuple[int, int] | None:
+def _ball_and_flank_of_quantity(quantity_of_run: Take, finest_run: Run) -> tuple[int, int] | None:
     """Return ball and flank (from 0) of the contact if a mesh-study quantity is a contact load; None for a displacement.
 
-    ``take``: function that reads the quantity from a solution; ``finest``: solution on the finest mesh level, which decides
-    which contact has the largest or smallest load of a flank.
+    ``quantity_of_run``: function that reads the quantity from a solution; ``finest_run``: solution on the finest mesh
+    level, which decides which contact has the largest or smallest load of a flank.
     """
-    if take.func is _ball_load:
-        return take.args[0], take.args[1]
-    if take.func is not _extreme_load:
+    if quantity_of_run.func is _contact_load_of_ball:
+        return quantity_of_run.args[0], quantity_of_run.args[1]
+    if quantity_of_run.func is not _extreme_flank_load:
         return None
-    side, sign = take.args
-    return int((sign * finest.load[:, side]).argmax()), side
+    side, sign = quantity_of_run.args
+    return int((sign * finest_run.load[:, side]).argmax()), side
 
 
-def _percent_of(value: float | None, of: float) -> float | None:
-    """Return ``value`` in per cent of ``of``; None if ``value`` is None, or if ``of`` is zero and ``value`` is not."""
-    if value is None or (of == 0.0 and value != 0.0):
+def _percent_of(value: float | None, reference: float) -> float | None:
+    """Return ``value`` in per cent of ``reference``.
+
+    None if ``value`` is None, or if ``reference`` is zero and ``value`` is not.
+    """
+    if value is None or (reference == 0.0 and value != 0.0):
         return None
-    return float(error_percent(value, 0.0, of))
+    return float(error_percent(value, 0.0, reference))
 
 
-def _root_of_squares(moves: Mapping[str, float]) -> float | None:
+def _combined_choice_effect(changes_by_variant: Mapping[str, float]) -> float | None:
     """Return the combined effect of modelling choices on a quantity: root of the sum of squares; None without effects.
 
-    ``moves``: change of the quantity by each variant of a choice; a choice with several variants counts with the largest.
+    ``changes_by_variant``: change of the quantity by each variant of a choice; a choice with several variants counts with
+    the largest.
     """
     by_choice: dict[str, float] = {}
-    for name, move in moves.items():
+    for name, move in changes_by_variant.items():
         variant = VARIANTS[name]
         if variant.kind == "modelling":
             by_choice[variant.choice] = max(move, by_choice.get(variant.choice, 0.0))
     return float(np.linalg.norm(list(by_choice.values()))) if by_choice else None
 
 
-def chosen_levels(count: int | None) -> tuple[int, ...]:
+def mesh_levels_of_study(count: int | None) -> tuple[int, ...]:
     """Return the numbers of the mesh levels of a mesh study: 1 to ``count``, or `ADVISED` if ``count`` is None.
 
     Raises InputError if ``count`` is out of range.
@@ -306,16 +318,18 @@ def chosen_levels(count: int | None) -> tuple[int, ...]:
     return tuple(range(1, count + 1))
 
 
-def mesh_study_table_of_bearing(one: Referenced, stores: Sequence[Path], levels: Sequence[int]) -> list[dict[str, Any]]:
+def mesh_study_table_of_bearing(
+    referenced: SceneWithReference, stores: Sequence[Path], levels: Sequence[int]
+) -> list[dict[str, Any]]:
     """Return the mesh-study table of a nut or bearing from its 3D reference.
 
-    ``one``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The effects
-    of modelling choices are left out if the nut or bearing is one of several on a shaft.
+    ``referenced``: nut or bearing with its 3D reference; ``stores``: folders with solutions; ``levels``: mesh levels. The
+    effects of modelling choices are left out if the nut or bearing is one of several on a shaft.
     """
     return (
-        mesh_study_table_of_scene(one.scene, stores, levels)
-        if one.of is None
-        else mesh_study_table_of_reference(one.found, None, {})
+        mesh_study_table_of_scene(referenced.scene, stores, levels)
+        if referenced.place_on_shaft is None
+        else mesh_study_table_of_reference(referenced.reference, None, {})
     )
 
 
@@ -323,13 +337,13 @@ def compute_references_on_levels(
     scenes: Sequence[Solvable],
     levels: Sequence[int],
     stores: Sequence[Path],
-    engine: Engine,
-    step: Callable[[str], None],
+    engine: ComputingSettings,
+    show_progress: Callable[[str], None],
     *,
     spread: bool = False,
     source: bool = False,
     fresh: bool = False,
-) -> list[Referenced]:
+) -> list[SceneWithReference]:
     """Compute the 3D references of scenes by solutions on several mesh levels, and store new solutions in the first folder.
 
     Parameters
@@ -342,7 +356,7 @@ def compute_references_on_levels(
         Folders with runs.
     engine
         Number of processes, or cluster, that compute the solutions.
-    step
+    show_progress
         Function that is called with each line of progress.
     spread
         Whether the coarsest level is also solved with varied modelling choices.
@@ -362,7 +376,7 @@ def compute_references_on_levels(
         If ``spread`` is used for a shaft with several nuts or bearings. Its subclass Refusal is raised if no run of a
         scene converged.
     """
-    tasks = plan_tasks(scenes, levels, source=source)
+    tasks = plan_tasks(scenes, levels, with_source_mesh=source)
     several = next((s.name for s in scenes if isinstance(s, Assembly)), None) if spread else None
     if several is not None:
         given = f"{several}, which has several nuts and bearings"
@@ -370,18 +384,26 @@ def compute_references_on_levels(
     if spread:
         tasks += [t for s in scenes for t in plan_tasks([s], (), modelling_variant_names())]
 
-    def report_coarsest_level(task: Task) -> None:
+    def report_coarsest_level(task: ReferenceTask) -> None:
         """Show the contact loads by the coarsest mesh level while finer levels are computed."""
         for scene in task.scenes if task.level == min(LEVELS) and not task.variant else ():
             for one in stored_references(scene, stores[:1], (task.level,)):
                 table = mesh_study_rows_for_terminal(mesh_study_table_of_bearing(one, stores[:1], (task.level,)))
                 values = (f"{row['quantity']} {row[f'level {task.level}']:.4g} {row['unit']}" for row in table)
-                step(f"{one.found.scene}, by level {task.level} alone: {'; '.join(values)}")
+                show_progress(f"{one.reference.scene}, by level {task.level} alone: {'; '.join(values)}")
 
-    failed = ensure(tasks, stores[0], engine, step, stores[1:], fresh=fresh, stored=report_coarsest_level)
+    failed = ensure_runs_are_stored(
+        tasks,
+        stores[0],
+        engine,
+        show_progress,
+        stores[1:],
+        compute_again=fresh,
+        after_each_stored_task=report_coarsest_level,
+    )
     references = []
     for scene in scenes:
-        sets = stored_references(scene, stores, tuple(levels), fitted=len(levels))
+        sets = stored_references(scene, stores, tuple(levels), run_count=len(levels))
         if not sets:
             raise unconverged_error(scene.name, failed)
         references += sets
@@ -397,8 +419,8 @@ def mesh_study_rows_for_terminal(table: Sequence[dict[str, Any]]) -> list[dict[s
     ]
 
 
-def mesh_study_for_library(
-    target: Solvable, levels: int | None, step: Callable[[str], None], *, spread: bool, store: Path
+def run_mesh_study(
+    target: Solvable, levels: int | None, show_progress: Callable[[str], None], *, spread: bool, store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run a mesh study of one scene for `rollbench.mesh_study`.
 
@@ -408,7 +430,7 @@ def mesh_study_for_library(
         Scene of one nut or bearing, or of a shaft with several.
     levels
         Number of levels; None: `ADVISED`.
-    step
+    show_progress
         Function that is called with each line of progress.
     spread
         Whether modelling choices are varied.
@@ -426,20 +448,20 @@ def mesh_study_for_library(
     """
     from rollbench.meshes.cache import default_cache_folder
 
-    stores, wanted = (store, shipped_store()), chosen_levels(levels)
+    stores, wanted = (store, shipped_store()), mesh_levels_of_study(levels)
     references = compute_references_on_levels(
-        [target], wanted, stores, Engine(cache=default_cache_folder()), step, spread=spread
+        [target], wanted, stores, ComputingSettings(cache_folder=default_cache_folder()), show_progress, spread=spread
     )
     results = [
         {
             "scene": target.name,
-            "levels": mesh_level_rows(x.found),
+            "levels": mesh_level_table_rows(x.reference),
             "quantities": mesh_study_table_of_bearing(x, stores, wanted),
         }
-        | set_keys(x)
+        | scene_and_set_keys(x)
         for x in references
     ]
-    lines = tuple(accuracy_sentence(one.found) for one in references)
+    lines = tuple(mesh_accuracy_sentence(one.reference) for one in references)
     if isinstance(target, Scene):
         return results[0], "levels", lines
     return {"scene": target.name, "sets": results}, "sets", lines

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
 from rollbench.compare.models.registry import run_model
@@ -29,13 +29,13 @@ from rollbench.compare.reference.store import (
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rollers import (
-    approach_under_force,
-    circular_crown,
+    circular_crown_profile,
     line_contact_half_width,
     line_contact_pressure,
     slice_roller,
+    sliced_roller_approach_under_force,
     sliced_roller_state_at_approach,
-    tapered_bearing,
+    tapered_bearing_of_row,
 )
 from rollbench.meshes.axis import Assembly, RollerRow
 from rollbench.meshes.record_keys import digest_of_values
@@ -95,15 +95,15 @@ class RollerRun:
 
 
 @dataclass(frozen=True)
-class LoadedRoller:
+class RollerKindWithLoad:
     """One kind of roller among the bearings of a shaft, with the largest load on a roller of this kind."""
 
     #: Bearing row of the roller; fields that do not affect one roller between its races have their default values.
-    row: RollerRow
+    roller_row: RollerRow
     #: Names of the bearing rows that have this kind of roller.
-    sets: tuple[str, ...]
+    bearing_names: tuple[str, ...]
     #: Largest load on a roller of this kind in the scene, rounded to four digits [N].
-    load: float
+    largest_load: float
 
 
 def has_rollers(scene: Described) -> bool:
@@ -112,17 +112,17 @@ def has_rollers(scene: Described) -> bool:
     return isinstance(one, Assembly) and any(isinstance(s.parts, RollerRow) for s in one.sets)
 
 
-def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
+def roller_kinds_with_largest_load(assembly: Assembly) -> list[RollerKindWithLoad]:
     """Return the kinds of rollers on a shaft, each with the largest load on a roller of this kind; empty without rollers.
 
     Raises Refusal if the shaft has no equilibrium, or if no roller of a kind carries load.
     """
-    rows = {s.name: _row_with_relevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
+    rows = {s.name: _row_without_irrelevant_fields(s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)}
     if not rows:
         return []
     result = run_model(assembly)
     if not result.converged:
-        raise Refusal(
+        raise SceneNotCoveredError(
             assembly.name, "3D roller", f"the scene has no equilibrium: {result.status}", "see the result of `solve`"
         )
     loads = {s.of.name: float(s.loads.max()) for s in result.sets if s.of.name in rows}
@@ -131,12 +131,12 @@ def roller_kinds_with_largest_load(assembly: Assembly) -> list[LoadedRoller]:
         names = tuple(name for name, of in rows.items() if of == row)
         load = float(f"{max(loads[name] for name in names):.4g}")
         if load <= 0.0:
-            raise Refusal(assembly.name, ", ".join(names), "carries no load", "give the scene a load")
-        out.append(LoadedRoller(row, names, load))
+            raise SceneNotCoveredError(assembly.name, ", ".join(names), "carries no load", "give the scene a load")
+        out.append(RollerKindWithLoad(row, names, load))
     return out
 
 
-def _row_with_relevant_fields(row: RollerRow) -> RollerRow:
+def _row_without_irrelevant_fields(row: RollerRow) -> RollerRow:
     """Return a copy of a row of rollers in which fields without effect on the 3D model of one roller have default values.
 
     Such fields are the phase and the rib.
@@ -144,24 +144,24 @@ def _row_with_relevant_fields(row: RollerRow) -> RollerRow:
     return replace(row, phase=0.0, end_radius=None, rib_height=None, rib_friction=None, torque_factor=None)
 
 
-def run_file_name(roller: LoadedRoller, level: int) -> str:
+def roller_run_file_name(roller: RollerKindWithLoad, level: int) -> str:
     """Return the name of the JSON file with the 3D solution of a roller on a mesh level."""
-    key = digest_of_values("roller", SCHEMA, replace(roller.row, slices=1), roller.load, SHARES)[:16]
+    key = digest_of_values("roller", SCHEMA, replace(roller.roller_row, slices=1), roller.largest_load, SHARES)[:16]
     return f"roller-level{level}-{key}.json"
 
 
-def stored_run(roller: LoadedRoller, level: int, stores: Sequence[Path]) -> RollerRun | None:
+def stored_roller_run(roller: RollerKindWithLoad, level: int, stores: Sequence[Path]) -> RollerRun | None:
     """Return the stored 3D solution of a roller on a mesh level, from the first folder that has it; None without one."""
     for store in stores:
         try:
-            return RollerRun(**read_checked_data(store / run_file_name(roller, level)))
+            return RollerRun(**read_checked_data(store / roller_run_file_name(roller, level)))
         except (OSError, ValueError, TypeError):
             continue
     return None
 
 
 def load_or_compute_roller_run(
-    roller: LoadedRoller, level: int, stores: Sequence[Path], *, fresh: bool = False
+    roller: RollerKindWithLoad, level: int, stores: Sequence[Path], *, fresh: bool = False
 ) -> RollerRun:
     """Return the 3D solution of a roller on a mesh level: a stored one, else a new one, which is saved in the first folder.
 
@@ -172,46 +172,46 @@ def load_or_compute_roller_run(
     Refusal
         If the roller is straight with sharp ends, or the contact becomes wider than the 3D model allows.
     """
-    if not fresh and (known := stored_run(roller, level, stores)) is not None:
+    if not fresh and (known := stored_roller_run(roller, level, stores)) is not None:
         return known
     from rollbench.hifi.contact import roller as hifi
 
     try:
-        bodies = hifi.condense_roller(roller.row, hifi.LEVELS[level], roller.load)
-        states = [hifi.press_roller_between_races(bodies, share * roller.load) for share in SHARES]
+        bodies = hifi.condense_roller(roller.roller_row, hifi.LEVELS[level], roller.largest_load)
+        states = [hifi.press_roller_between_races(bodies, share * roller.largest_load) for share in SHARES]
     except hifi.RollerError as error:
-        raise Refusal(", ".join(roller.sets), "3D roller", str(error), error.advice) from None
+        raise SceneNotCoveredError(", ".join(roller.bearing_names), "3D roller", str(error), error.advice) from None
     first, now = states[0], measuring_conditions()
     run = RollerRun(
         level=level,
         across=hifi.LEVELS[level],
-        cells=bodies.cells,
-        unknowns=bodies.unknowns,
-        load=[s.load for s in states],
+        cells=bodies.cell_count,
+        unknowns=bodies.degree_of_freedom_count,
+        load=[s.race_force for s in states],
         approach=[s.approach for s in states],
         stiffness=[s.stiffness for s in states],
-        middle_line_load=[s.middle_line_load.tolist() for s in states],
-        middle_pressure=first.middle_pressure.tolist(),
-        largest_pressure=first.pressure.max(axis=(1, 2)).tolist(),
-        along=bodies.along.tolist(),
-        line_load=first.line_load.tolist(),
-        along_pressure=first.pressure.max(axis=2).tolist(),
-        across_place=bodies.across.tolist(),
-        across_pressure=first.pressure[:, len(bodies.along) // 2].tolist(),
-        imbalance=max(s.imbalance for s in states),
-        seconds=bodies.seconds + sum(s.seconds for s in states),
+        middle_line_load=[s.line_load_at_middle.tolist() for s in states],
+        middle_pressure=first.largest_pressure_at_middle.tolist(),
+        largest_pressure=first.pressures.max(axis=(1, 2)).tolist(),
+        along=bodies.positions_along.tolist(),
+        line_load=first.line_loads.tolist(),
+        along_pressure=first.pressures.max(axis=2).tolist(),
+        across_place=bodies.positions_across.tolist(),
+        across_pressure=first.pressures[:, len(bodies.positions_along) // 2].tolist(),
+        imbalance=max(s.load_imbalance for s in states),
+        seconds=bodies.elapsed_seconds + sum(s.elapsed_seconds for s in states),
         cpu_seconds=bodies.cpu_seconds + sum(s.cpu_seconds for s in states),
         versions=program_versions() | {"rollbench": now.version},
         sources=now.sources,
         machine=now.machine,
         date=datetime.now(UTC).date().isoformat(),
     )
-    replace_file(stores[0] / run_file_name(roller, level), run_text_with_checksum(asdict(run)))
+    replace_file(stores[0] / roller_run_file_name(roller, level), run_text_with_checksum(asdict(run)))
     return run
 
 
 @dataclass(frozen=True)
-class LowOrderStiffness:
+class ApproachAndStiffness:
     """Approach and stiffness of one roller between its races under a load by two low-order laws, in SI units."""
 
     #: Approach and stiffness by the slice model, which every solution uses.
@@ -222,15 +222,15 @@ class LowOrderStiffness:
     norm_stiffness: float
 
 
-def low_order_stiffness(row: RollerRow, load: float) -> LowOrderStiffness:
+def approach_and_stiffness_by_laws(row: RollerRow, load: float) -> ApproachAndStiffness:
     """Return approach and stiffness of a roller pressed between its races, by two low-order laws.
 
     ``row``: row of the roller; ``load``: force between the races [N].
     """
-    roller = slice_roller(tapered_bearing(row), row.slices, circular_crown(row.crown))
-    approach = approach_under_force(roller, load)
+    roller = slice_roller(tapered_bearing_of_row(row), row.slices, circular_crown_profile(row.crown))
+    approach = sliced_roller_approach_under_force(roller, load)
     norm = 1e-3 * (load / (NORM * (1e3 * row.length) ** (8.0 / 9.0))) ** 0.9
-    return LowOrderStiffness(
+    return ApproachAndStiffness(
         approach, sliced_roller_state_at_approach(roller, approach).stiffness, norm, load / (0.9 * norm)
     )
 
@@ -240,8 +240,8 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
 
     ``row``: row of the roller; ``line_loads``: load per length on each of the races [N/m].
     """
-    bearing = tapered_bearing(row)
-    roller, cone, cup = (float(r) for r in bearing.radii())
+    bearing = tapered_bearing_of_row(row)
+    roller, cone, cup = (float(r) for r in bearing.curvature_radii())
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     curved = (1.0 / roller - 1.0 / cup, 1.0 / roller + 1.0 / cone)
     return [
@@ -250,9 +250,9 @@ def line_contact_pressures(row: RollerRow, line_loads: Sequence[float]) -> list[
     ]
 
 
-def _entry_of_run_field(name: str, k: int, run: RollerRun) -> float:
-    """Return entry ``k`` of a field of a roller's 3D solution; ``name``: field with a list over loads or over races."""
-    return float(getattr(run, name)[k])
+def _entry_of_list_field(name: str, index: int, run: RollerRun) -> float:
+    """Return entry ``index`` of a field of a roller's 3D solution; ``name``: field with a list over loads or over races."""
+    return float(getattr(run, name)[index])
 
 
 def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> float:
@@ -263,7 +263,7 @@ def _value_on_race_under_first_load(name: str, race: int, run: RollerRun) -> flo
     return float(getattr(run, name)[0][race])
 
 
-def roller_quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
+def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
     """Return a table row for each quantity of a roller: its 3D value on every mesh level, and the errors of low-order laws.
 
     Parameters
@@ -277,10 +277,10 @@ def roller_quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> lis
 
     def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         values = [scale * take(run) for run in runs]
-        found = convergence_over_mesh_levels(values, runs)
+        found = roller_quantity_convergence(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {run.level}": value for run, value in zip(runs, values, strict=True)}
-        row |= {"order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty}
+        row |= {"order": found.credible_order, "extrapolated": found.extrapolated_value, "uncertainty": found.uncertainty}
         for key in ("low_order", "norm", "line_contact"):
             value = low.get(key)
             row[key] = None if value is None else scale * value
@@ -288,29 +288,29 @@ def roller_quantity_rows(roller: LoadedRoller, runs: Sequence[RollerRun]) -> lis
         rows.append(row)
 
     for k, load in enumerate(runs[-1].load):
-        low = low_order_stiffness(roller.row, load)
+        low = approach_and_stiffness_by_laws(roller.roller_row, load)
         at = f"under {load:.4g} N"
         add_row(
             f"approach {at}",
             "um",
             1e6,
-            partial(_entry_of_run_field, "approach", k),
+            partial(_entry_of_list_field, "approach", k),
             low_order=low.approach,
             norm=low.norm_approach,
         )
         both = {"low_order": low.stiffness, "norm": low.norm_stiffness}
-        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_entry_of_run_field, "stiffness", k), **both)
-    hertz = line_contact_pressures(roller.row, runs[-1].middle_line_load[0])
+        add_row(f"stiffness {at}", "N/um", 1e-6, partial(_entry_of_list_field, "stiffness", k), **both)
+    hertz = line_contact_pressures(roller.roller_row, runs[-1].middle_line_load[0])
     for i, race in enumerate(RACES):
         add_row(f"middle line load, {race}", "N/mm", 1e-3, partial(_value_on_race_under_first_load, "middle_line_load", i))
         add_row(
             f"middle pressure, {race}",
             "MPa",
             1e-6,
-            partial(_entry_of_run_field, "middle_pressure", i),
+            partial(_entry_of_list_field, "middle_pressure", i),
             line_contact=hertz[i],
         )
-        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_entry_of_run_field, "largest_pressure", i))
+        add_row(f"largest pressure, {race}", "MPa", 1e-6, partial(_entry_of_list_field, "largest_pressure", i))
     return rows
 
 
@@ -319,7 +319,7 @@ def roller_rows_for_terminal(rows: Sequence[dict[str, Any]]) -> list[dict[str, A
     return [{k: v for k, v in row.items() if k not in HIDDEN} for row in rows]
 
 
-def convergence_over_mesh_levels(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
+def roller_quantity_convergence(values: Sequence[float], runs: Sequence[RollerRun]) -> Convergence:
     """Return order of convergence and mesh uncertainty of a quantity of a roller's 3D solutions.
 
     ``values``: its values in the 3D solutions ``runs``, coarsest mesh first.
@@ -332,7 +332,7 @@ def approach_uncertainty_percent(runs: Sequence[RollerRun]) -> float | None:
 
     ``runs``: 3D solutions of a roller, coarsest mesh first.
     """
-    bar = convergence_over_mesh_levels([run.approach[0] for run in runs], runs).uncertainty
+    bar = roller_quantity_convergence([run.approach[0] for run in runs], runs).uncertainty
     return None if bar is None else float(error_percent(bar, 0.0, runs[-1].approach[0]))
 
 
@@ -359,13 +359,18 @@ def roller_mesh_level_rows(runs: Sequence[RollerRun]) -> list[dict[str, Any]]:
 
 
 def compute_runs_of_roller_kinds(
-    assembly: Assembly, count: int | None, stores: Sequence[Path], step: Callable[[str], None], *, fresh: bool = False
-) -> list[tuple[LoadedRoller, list[RollerRun]]]:
+    assembly: Assembly,
+    count: int | None,
+    stores: Sequence[Path],
+    show_progress: Callable[[str], None],
+    *,
+    fresh: bool = False,
+) -> list[tuple[RollerKindWithLoad, list[RollerRun]]]:
     """Return the 3D solutions of every kind of roller of a shaft on several mesh levels, coarsest first.
 
     ``count``: number of levels from the coarsest on, None for all; ``stores``: folders with solutions, the first of which
-    takes new ones; ``step``: function that is called with each line of progress; ``fresh``: whether stored solutions are
-    computed again.
+    takes new ones; ``show_progress``: function that is called with each line of progress; ``fresh``: whether stored
+    solutions are computed again.
 
     Raises
     ------
@@ -381,27 +386,27 @@ def compute_runs_of_roller_kinds(
     for roller in roller_kinds_with_largest_load(assembly):
         runs = []
         for level in LEVELS[:count]:
-            step(f"{assembly.name}: a roller of {', '.join(roller.sets)} on level {level}")
+            show_progress(f"{assembly.name}: a roller of {', '.join(roller.bearing_names)} on level {level}")
             runs.append(load_or_compute_roller_run(roller, level, stores, fresh=fresh))
         out.append((roller, runs))
     return out
 
 
-def low_order_sentence(roller: LoadedRoller, runs: Sequence[RollerRun]) -> str:
+def low_order_error_sentence(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> str:
     """Return sentences on the errors of two low-order laws for a roller against its 3D solution on the finest mesh."""
-    low, best = low_order_stiffness(roller.row, roller.load), runs[-1]
+    low, best = approach_and_stiffness_by_laws(roller.roller_row, roller.largest_load), runs[-1]
     off = float(error_percent(low.stiffness, best.stiffness[0]))
     norm = float(error_percent(low.norm_stiffness, best.stiffness[0]))
-    hertz = line_contact_pressures(roller.row, best.middle_line_load[0])
+    hertz = line_contact_pressures(roller.roller_row, best.middle_line_load[0])
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
-        f"Stiffness of a roller under {roller.load:.4g} N against 3D: slices {off:+.1f} %, spring of ISO/TS 16281 "
+        f"Stiffness of a roller under {roller.largest_load:.4g} N against 3D: slices {off:+.1f} %, spring of ISO/TS 16281 "
         f"{norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. {best.cpu_seconds:.0f} s of "
         f"a processor on level {best.level}, measured with {best.versions['rollbench']}."
     )
 
 
-def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any]:
+def roller_mesh_study_json(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) -> dict[str, Any]:
     """Return the JSON values of a roller's mesh study: mesh levels, quantities, and load profiles along the roller."""
     best = runs[-1]
     profile = [
@@ -410,23 +415,23 @@ def study_json(roller: LoadedRoller, runs: Sequence[RollerRun]) -> dict[str, Any
         for k, x in enumerate(best.along)
     ]
     return {
-        "set": ", ".join(roller.sets),
-        "load_N": roller.load,
+        "set": ", ".join(roller.bearing_names),
+        "load_N": roller.largest_load,
         "levels": roller_mesh_level_rows(runs),
         "quantities": roller_quantity_rows(roller, runs),
         "profile": profile,
     }
 
 
-def roller_study_for_library(
-    assembly: Assembly, levels: int | None, step: Callable[[str], None], store: Path
+def run_roller_mesh_study(
+    assembly: Assembly, levels: int | None, show_progress: Callable[[str], None], store: Path
 ) -> tuple[dict[str, Any], str, tuple[str, ...]]:
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
-    ``levels``: number of mesh levels, None for all; ``step``: function that is called with each line of progress;
+    ``levels``: number of mesh levels, None for all; ``show_progress``: function that is called with each line of progress;
     ``store``: folder that takes new runs. Returns the JSON values, then the key in them of the table to show, then text
     lines that are shown below it.
     """
-    found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), step)
-    sets = [{"scene": assembly.name} | study_json(one, runs) for one, runs in found]
-    return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_sentence(one, runs) for one, runs in found)
+    found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), show_progress)
+    sets = [{"scene": assembly.name} | roller_mesh_study_json(one, runs) for one, runs in found]
+    return {"scene": assembly.name, "sets": sets}, "sets", tuple(low_order_error_sentence(one, runs) for one, runs in found)

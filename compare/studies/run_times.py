@@ -27,10 +27,10 @@ from time import perf_counter, time
 from typing import Any, TypeVar
 
 from rollbench.compare.files import replace_file
-from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.compare.studies.members.ensemble import solve_random_specimens
+from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.meshes.processes import VARIABLES
 
 
@@ -54,10 +54,10 @@ class RunTimeRow:
     note: str = ""
 
 
-def median_seconds(call: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
-    """Return the median wall-clock time of ``call`` over ``repeats`` runs [s], after one run that is not counted.
+def median_seconds(function: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+    """Return the median wall-clock time of ``function`` over ``repeats`` runs [s], after one run that is not counted.
 
-    ``call``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
+    ``function``: function that is timed; ``reset``: function that is called before each run and is not timed, or None.
     """
     seconds = []
     gc.collect()
@@ -68,7 +68,7 @@ def median_seconds(call: Callable[[], object], repeats: int, reset: Callable[[],
             if reset is not None:
                 reset()
             begin = perf_counter()
-            call()
+            function()
             seconds.append(perf_counter() - begin)
     finally:
         if enabled:
@@ -76,7 +76,7 @@ def median_seconds(call: Callable[[], object], repeats: int, reset: Callable[[],
     return median(seconds[1:])
 
 
-def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
+def environment_for_timed_process(extra: dict[str, str] | None = None) -> dict[str, str]:
     """Return the environment variables for a timed process: those of this process, without those that set thread counts.
 
     ``extra``: further environment variables by name, which are added.
@@ -85,31 +85,31 @@ def user_environment(extra: dict[str, str] | None = None) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class FinishedProcess:
+class TimedProcess:
     """Times, exit code and printed output of a process that has ended."""
 
     #: Wall clock to its end [s].
     seconds: float
     #: Wall clock to its first line of output [s]; None without output.
-    first_line: float | None
+    first_line_seconds: float | None
     #: CPU time of the process and its child processes [s].
-    cpu: float
+    cpu_seconds: float
     #: Exit code.
-    code: int
+    exit_code: int
     #: Output and error messages, in the order of a terminal.
-    output: str
+    printed_output: str
 
 
 def run_timed_python_process(
     arguments: list[str], extra_environment: dict[str, str] | None = None, folder: str | None = None
-) -> FinishedProcess:
+) -> TimedProcess:
     """Run a Python process as a user would start it on a terminal, and return its times, exit code and output.
 
     ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
-    added to those of `user_environment`; ``folder``: working folder of the process, None for the present one. The process
-    imports no module from its working folder. It is killed after `PATIENCE` seconds.
+    added to those of `environment_for_timed_process`; ``folder``: working folder of the process, None for the present one.
+    The process imports no module from its working folder. It is killed after `PATIENCE` seconds.
     """
-    environment = user_environment({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
+    environment = environment_for_timed_process({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
     before, begin = os.times(), perf_counter()
     process = subprocess.Popen(
         [sys.executable, "-P", *arguments],
@@ -128,7 +128,7 @@ def run_timed_python_process(
         written = line + process.stdout.read()
     patience.cancel()
     seconds = perf_counter() - begin
-    return FinishedProcess(seconds, first, _child_cpu_seconds(before, os.times()), process.returncode, written)
+    return TimedProcess(seconds, first, _child_cpu_seconds(before, os.times()), process.returncode, written)
 
 
 def _child_cpu_seconds(before: os.times_result, after: os.times_result) -> float:
@@ -203,12 +203,12 @@ from time import time
 from rollbench.meshes.processes import limit_to_one_thread
 limit_to_one_thread()
 import json
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.tasks import Task
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.running import usable_cores
 ask = json.loads({ask!r})
-(run,) = compute_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
+(run,) = compute_reference_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
 contacts = int((run.load > 0.0).sum())
 own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
 print(json.dumps({{"done": time(), "stages": run.stages, **own}}))
@@ -283,14 +283,14 @@ def time_model_in_new_process(
     )
 
 
-def time_call_in_new_process(imports: str, call: str, what: str, repeats: int = REPEATS) -> RunTime:
+def time_call_in_new_process(imports: str, call: str, label: str, repeats: int = REPEATS) -> RunTime:
     """Time a Python call and its repetitions in a new process with empty caches.
 
     ``imports``: Python statements that are executed before the call and count as part of the cold time; ``call``: Python
-    expression that is timed; ``what``: name of the call in the error message; ``repeats``: number of further calls. Raises
+    expression that is timed; ``label``: name of the call in the error message; ``repeats``: number of further calls. Raises
     RuntimeError if the process fails.
     """
-    begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, what)
+    begin, printed = _run_with_empty_caches(CALL_CHILD, {"imports": imports, "call": call, "repeats": repeats}, label)
     return RunTime(printed["done"] - begin, printed["warm"], printed["memory"])
 
 
@@ -307,17 +307,17 @@ def time_mesh_level_in_new_process(scene: str, level: int) -> ColdLevelTime:
     return ColdLevelTime(level, printed["done"] - begin, cpu, printed["memory"], printed["status"], scene, **known)
 
 
-def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[float, dict[str, Any]]:
+def _run_with_empty_caches(program: str, arguments: dict[str, Any], label: str) -> tuple[float, dict[str, Any]]:
     """Run a Python program in a new process with empty caches; return when it started [s] and the JSON values it printed.
 
-    ``child``: text of the Python program, such as `CHILD`; ``ask``: arguments of the program by name; ``what``: name of the
-    measurement in the message of the RuntimeError that is raised if the process fails.
+    ``program``: text of the Python program, such as `CHILD`; ``arguments``: arguments of the program by name; ``label``:
+    name of the measurement in the message of the RuntimeError that is raised if the process fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         caches = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in caches.values():
             Path(place).mkdir()
-        code = child.format(path=[p for p in sys.path if p], ask=json.dumps(ask))
+        code = program.format(path=[p for p in sys.path if p], ask=json.dumps(arguments))
         begin = time()
         process = subprocess.run(
             [sys.executable, "-I", "-c", code],
@@ -325,11 +325,11 @@ def _run_with_empty_caches(child: str, ask: dict[str, Any], what: str) -> tuple[
             text=True,
             check=False,
             timeout=PATIENCE,
-            env=user_environment(caches),
+            env=environment_for_timed_process(caches),
         )
     if process.returncode != 0:
         last = process.stderr.strip().splitlines()[-1:] or ["no message"]
-        raise RuntimeError(f"the process that timed {what} failed: {last[0]}")
+        raise RuntimeError(f"the process that timed {label} failed: {last[0]}")
     return begin, json.loads(process.stdout)
 
 
@@ -356,28 +356,28 @@ class StoredRunTimes:
     """Run times that were measured together and stored, with the conditions of the measurement."""
 
     #: Program version, sources and machine of the measurement.
-    measured: Measured
+    measuring_conditions: MeasuringConditions
     #: Date of the measurement.
     date: str
     #: Run times by names of scene and model.
-    times: Mapping[tuple[str, str], RunTime]
+    times_by_scene_and_model: Mapping[tuple[str, str], RunTime]
     #: Times of a first solution in a new process, by name of the model and kind of kernels ("interpreted" or "compiled").
-    first: Mapping[tuple[str, str], ColdModelTime]
+    first_solution_times: Mapping[tuple[str, str], ColdModelTime]
     #: Times of a first solution by the 3D reference on single mesh levels, in new processes.
-    levels: Sequence[ColdLevelTime] = ()
+    mesh_level_times: Sequence[ColdLevelTime] = ()
     #: Times of commands typed on a terminal.
-    typed: Sequence[CommandTime] = ()
+    command_times: Sequence[CommandTime] = ()
 
     def __str__(self) -> str:
         """Return a sentence that states with which machine and program version, and when, the run times were measured."""
         now = measuring_conditions()
-        if self.measured.version != now.version:
+        if self.measuring_conditions.version != now.version:
             older = f", not with the {now.version} of this report"
-        elif self.measured.machine != now.machine:
+        elif self.measuring_conditions.machine != now.machine:
             older = ", not on the machine that made this report"
         else:
-            older = "" if self.measured.sources == now.sources else ", before the last changes to the solvers"
-        return f"Run times are of one measuring run: measured with {self.measured}, {self.date}{older}."
+            older = "" if self.measuring_conditions.sources == now.sources else ", before the last changes to the solvers"
+        return f"Run times are of one measuring run: measured with {self.measuring_conditions}, {self.date}{older}."
 
 
 @dataclass(frozen=True)
@@ -432,33 +432,33 @@ class SetUpCosts:
     version: str = ""
 
 
-def today() -> str:
+def utc_date_text() -> str:
     """Return today's date in UTC as YYYY-MM-DD."""
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
 
 
-def load_from_first_valid_store(stores: Sequence[Path], file: str, build: Callable[[Any], T]) -> T | None:
+def read_from_first_valid_folder(stores: Sequence[Path], file_name: str, build_object: Callable[[Any], T]) -> T | None:
     """Read an object from a JSON file in the first folder that has a valid file; None if no folder has one.
 
-    ``stores``: folders in the order in which they are tried; ``file``: name of the file; ``build``: function that builds
-    the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
+    ``stores``: folders in the order in which they are tried; ``file_name``: name of the file; ``build_object``: function
+    that builds the object from the file's JSON values, and raises ValueError, KeyError or TypeError if they are not valid.
     """
     for store in stores:
         with suppress(OSError, ValueError, KeyError, TypeError):
-            return build(json.loads((store / file).read_text(encoding="utf-8")))
+            return build_object(json.loads((store / file_name).read_text(encoding="utf-8")))
     return None
 
 
-def save_records(store: Path, file: str, records: Sequence[Any]) -> None:
+def save_records(store: Path, file_name: str, records: Sequence[Any]) -> None:
     """Write records to a JSON file in a folder, one record per line.
 
-    ``store``: the folder; ``file``: name of the file; ``records``: instances of dataclasses. Raises InputError if the file
-    cannot be written.
+    ``store``: the folder; ``file_name``: name of the file; ``records``: instances of dataclasses. Raises InputError if the
+    file cannot be written.
     """
-    replace_file(store / file, f"[{_one_json_line_per_row([asdict(one) for one in records])}]\n")
+    replace_file(store / file_name, f"[{_json_rows_on_separate_lines([asdict(one) for one in records])}]\n")
 
 
-def _one_json_line_per_row(rows: Sequence[Any]) -> str:
+def _json_rows_on_separate_lines(rows: Sequence[Any]) -> str:
     """Return the elements of a JSON list as text, one per line with commas between, without the brackets of the list."""
     return ",\n ".join(json.dumps(row) for row in rows)
 
@@ -467,7 +467,7 @@ def _one_json_line_per_row(rows: Sequence[Any]) -> str:
 TYPED = "typed"
 
 
-def times_file_name(source: str) -> str:
+def run_times_file_name(source: str) -> str:
     """Return the name of the JSON file that stores run times.
 
     ``source``: name of the publication on whose page of the report the times are shown; `TYPED` for the times of commands
@@ -476,59 +476,64 @@ def times_file_name(source: str) -> str:
     return f"run_times_{source}.json" if source else RUN_TIMES
 
 
-def save_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
+def save_run_times(store: Path, run_times: StoredRunTimes, source: str = "") -> None:
     """Write run times to a JSON file in a folder.
 
     ``store``: the folder; ``run_times``: the run times; ``source``: which times these are, and so the name of the file: a
-    publication's name, `TYPED` or empty, as in `times_file_name`. Raises InputError if the file cannot be written.
+    publication's name, `TYPED` or empty, as in `run_times_file_name`. Raises InputError if the file cannot be written.
     """
     lists = {
-        "times": [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(run_times.times.items())],
-        "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(run_times.first.items())],
-        "levels": [asdict(c) for c in run_times.levels],
-        "typed": [asdict(c) for c in run_times.typed],
+        "times": [
+            {"scene": scene, "model": model, **asdict(t)}
+            for (scene, model), t in sorted(run_times.times_by_scene_and_model.items())
+        ],
+        "first": [{"model": model, **asdict(c)} for (model, _), c in sorted(run_times.first_solution_times.items())],
+        "levels": [asdict(c) for c in run_times.mesh_level_times],
+        "typed": [asdict(c) for c in run_times.command_times],
     }
-    head = ", ".join(f'"{k}": {json.dumps(v)}' for k, v in {**asdict(run_times.measured), "date": run_times.date}.items())
-    body = ", ".join(f'"{name}": [\n {_one_json_line_per_row(rows)}]' for name, rows in lists.items())
-    replace_file(store / times_file_name(source), f"{{{head}, {body}}}\n")
+    head = ", ".join(
+        f'"{k}": {json.dumps(v)}' for k, v in {**asdict(run_times.measuring_conditions), "date": run_times.date}.items()
+    )
+    body = ", ".join(f'"{name}": [\n {_json_rows_on_separate_lines(rows)}]' for name, rows in lists.items())
+    replace_file(store / run_times_file_name(source), f"{{{head}, {body}}}\n")
 
 
-def run_times_for_page(study: Study, source: str) -> StoredRunTimes | None:
+def run_times_for_report_page(cache: SceneResultCache, source: str) -> StoredRunTimes | None:
     """Return the stored run times for a publication's page of the report, else those of all compared scenes.
 
-    ``study``: cache of the report, which states the folders of stored results; ``source``: name of the publication. None if
+    ``cache``: cache of the report, which states the folders of stored results; ``source``: name of the publication. None if
     neither is stored.
     """
-    stores = (*(study.stores or ()), shipped_store())
-    return load_times(stores, source) or load_times(stores)
+    stores = (*(cache.reference_folders or ()), shipped_store())
+    return load_run_times(stores, source) or load_run_times(stores)
 
 
-def load_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
+def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes | None:
     """Read stored run times from the first folder with a valid file; None without one.
 
     ``stores``: the folders in the order in which they are tried; ``source``: which times are read: a publication's name,
-    `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `times_file_name`.
+    `TYPED` (commands typed on a terminal) or empty (all compared scenes), as in `run_times_file_name`.
     """
 
     def times_from_json(data: dict[str, Any]) -> StoredRunTimes:
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
-        measured = Measured(data.get("version", ""), data.get("sources", ""), data["machine"])
+        measured = MeasuringConditions(data.get("version", ""), data.get("sources", ""), data["machine"])
         commands = tuple(CommandTime(**r) for r in data.get("typed", []))
         return StoredRunTimes(measured, data["date"], times, first, levels, commands)
 
-    return load_from_first_valid_store(stores, times_file_name(source), times_from_json)
+    return read_from_first_valid_folder(stores, run_times_file_name(source), times_from_json)
 
 
-def load_costs(stores: Sequence[Path]) -> SetUpCosts | None:
+def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
     """Read the processor times for setting up the 3D reference from the first folder with a valid file; None: no file."""
 
     def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
-    return load_from_first_valid_store(stores, SET_UP_COSTS, costs_from_json)
+    return read_from_first_valid_folder(stores, SET_UP_COSTS, costs_from_json)
 
 
 #: Command that writes the scene of a catalogue screw to ``my.toml``.
@@ -605,25 +610,25 @@ def time_command_in_empty_home(command: str) -> CommandTime:
         busy.kill()
         busy.wait()
     for one in found:
-        if one.code != 0:
-            last = one.output.strip().splitlines()[-1:] or ["no message"]
+        if one.exit_code != 0:
+            last = one.printed_output.strip().splitlines()[-1:] or ["no message"]
             return CommandTime(command, note=f"not measured: {last[0][:120]}")
     alone, again, beside = found
-    spent = again.seconds, again.cpu, beside.seconds, beside.cpu
-    return CommandTime(command, alone.seconds, alone.first_line, alone.cpu, *spent)
+    spent = again.seconds, again.cpu_seconds, beside.seconds, beside.cpu_seconds
+    return CommandTime(command, alone.seconds, alone.first_line_seconds, alone.cpu_seconds, *spent)
 
 
-def _run_in_empty_home(command: str, times: int) -> list[FinishedProcess]:
+def _run_in_empty_home(command: str, run_count: int) -> list[TimedProcess]:
     """Run a ``rollbench`` command several times in one new home directory; return times and output of each run.
 
-    If the command names ``my.toml``, this scene file is written there first. ``times``: number of runs.
+    If the command names ``my.toml``, this scene file is written there first. ``run_count``: number of runs.
     """
     with tempfile.TemporaryDirectory() as home:
         places = {"XDG_CACHE_HOME": "cache", "ROLLBENCH_CACHE": "cache/rollbench", "NUMBA_CACHE_DIR": "cache/numba"}
         own = {name: str(Path(home) / place) for name, place in places.items()} | {"HOME": home}
         if "my.toml" in command:
             run_timed_python_process(["-m", "rollbench", *NEW.split()], own, home)
-        return [run_timed_python_process(["-m", "rollbench", *command.split()], own, home) for _ in range(times)]
+        return [run_timed_python_process(["-m", "rollbench", *command.split()], own, home) for _ in range(run_count)]
 
 
 def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterator[RunTimeRow]:
@@ -637,7 +642,7 @@ def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterat
     for threads in THREADS:
 
         def solve_specimens(threads: int = threads) -> object:
-            return solve_random_specimens(parts, count, threads=threads)
+            return solve_random_draws(parts, count, threads=threads)
 
         seconds = median_seconds(solve_specimens, repeats)
         alone = alone or seconds

@@ -20,22 +20,22 @@ from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, one_line
 from rollbench.compare.measure import load_error
 from rollbench.compare.models.applicability import DESCRIPTORS, KNOWN_SCREWS, SURVEY
-from rollbench.compare.models.comparison import loads_from_run
+from rollbench.compare.models.comparison import solution_from_run
 from rollbench.compare.models.model_form import (
     QUANTITIES,
-    Point,
-    errors_on_compared_scenes,
+    MeasuredModelErrors,
+    axial_rigidity_between_states,
     estimate_model_error,
-    loaded_section_state,
     measure_model_error,
-    rigidity_between,
+    model_errors_on_compared_scenes,
+    state_of_loaded_section,
 )
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.jobs import store_runs_and_bodies
-from rollbench.compare.reference.store import Run, read_run, shipped_store
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.store import Run, read_run_file, shipped_store
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.from_keys import angle_of_touching_balls
 from rollbench.compare.scenes.template import LOAD, typical_dimensions
@@ -82,7 +82,7 @@ CLASSES = ((0.05, 0.5, 0.25), (0.1, 1.0, 0.5), (0.2, 2.0, 1.0))
 HELD = ("left face", "left face", "right face", "both faces", "outer surface")
 
 
-def scene_text(seed: int, number: int) -> str:
+def random_screw_scene_text(seed: int, number: int) -> str:
     """Return the scene file (TOML text) of one randomly drawn ball screw, which depends on seed and number only.
 
     ``seed``: seed of the survey; ``number``: number of the screw, from 0. Up to number `TUBES` - 1 the nut is a plain tube;
@@ -96,7 +96,7 @@ def scene_text(seed: int, number: int) -> str:
     sizes = typical_dimensions(f"{outer}x{lead / starts:g}")
     ball, pitch, wall = sizes["ball"], sizes["pitch"], sizes["outside"]
     touching = angle_of_touching_balls(pitch / 2.0, lead, ball)
-    balls, count = _draw_balls(rng, starts, ball, touching, halved=kind == "lead offset")
+    balls, count = _draw_ball_circuits(rng, starts, ball, touching, halved=kind == "lead offset")
     force = LOAD * ball**2 * count * np.sin(pi / 4.0)
     length = round(outer * rng.uniform(12.0, 30.0))
     track = {
@@ -139,15 +139,15 @@ def scene_text(seed: int, number: int) -> str:
     return _scene_as_toml(scene)
 
 
-def _draw_flange(rng: np.random.Generator, length: float, wall: float) -> dict[str, dict[str, str]]:
+def _draw_flange(rng: np.random.Generator, length: float, tube_diameter: float) -> dict[str, dict[str, str]]:
     """Draw a flange for a nut, and the annulus of its face that is fixed; return the scene keys that describe both.
 
-    ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``wall``: outer diameter of its tubular
-    part [mm].
+    ``rng``: generator of the random numbers; ``length``: length of the nut [mm]; ``tube_diameter``: outer diameter of its
+    tubular part [mm].
     """
-    wide, thick = wall * rng.uniform(1.3, 1.8), min(wall * rng.uniform(0.15, 0.3), 0.4 * length)
-    room, fit = wide - wall, rng.uniform(0.05, 0.5) * (length - thick)
-    low, high = wall + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
+    wide, thick = tube_diameter * rng.uniform(1.3, 1.8), min(tube_diameter * rng.uniform(0.15, 0.3), 0.4 * length)
+    room, fit = wide - tube_diameter, rng.uniform(0.05, 0.5) * (length - thick)
+    low, high = tube_diameter + room * rng.uniform(0.0, 0.3), wide - room * rng.uniform(0.0, 0.3)
     bonded = rng.random() < 0.4
     flange = {"diameter": wide, "thickness": thick, "centring": fit if bonded else 0.0}
     return {
@@ -170,34 +170,34 @@ def _draw_conformity(rng: np.random.Generator) -> float:
     return round(float(rng.uniform(0.515, 0.54)), 3)
 
 
-def _draw_balls(
-    rng: np.random.Generator, starts: int, ball: float, touching: float, *, halved: bool
+def _draw_ball_circuits(
+    rng: np.random.Generator, starts: int, ball_diameter: float, touching_angle: float, *, halved: bool
 ) -> tuple[dict[str, Any], int]:
     """Draw the ball circuits of a nut and their filling; return the scene keys of the balls, then the number of balls.
 
-    ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball``: ball diameter [mm];
-    ``touching``: difference in azimuth between neighbouring balls that touch [rad]; ``halved``: whether the nut is
-    preloaded by a lead offset between two halves, so that circuits come in pairs.
+    ``rng``: generator of the random numbers; ``starts``: number of starts of the thread; ``ball_diameter``: ball diameter
+    [mm]; ``touching_angle``: difference in azimuth between neighbouring balls that touch [rad]; ``halved``: whether the nut
+    is preloaded by a lead offset between two halves, so that circuits come in pairs.
     """
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
     def balls_in_circuits(circuits: int, turns: float) -> int:
-        return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching))
+        return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching_angle))
 
     allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]
     circuits, turns = allowed[int(rng.integers(max(1, sum(balls_in_circuits(*c) <= BALLS for c in allowed))))]
-    keys = {"diameter": f"{ball:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
+    keys = {"diameter": f"{ball_diameter:g} mm", "filling": filling, "turns": turns, "circuits": circuits}
     return keys | ({"circuit_gap": 0.5} if circuits > 1 else {}), balls_in_circuits(circuits, turns)
 
 
-def _draw_preload(rng: np.random.Generator, kind: str, ball: float, force: float) -> dict[str, str]:
+def _draw_preload(rng: np.random.Generator, kind: str, ball_diameter: float, typical_load: float) -> dict[str, str]:
     """Draw the amount of a preload or clearance, and return the key of the scene's table [preload] that states it.
 
-    ``kind``: one of `PRELOADS`; ``ball``: ball diameter [mm]; ``force``: typical axial load [N].
+    ``kind``: one of `PRELOADS`; ``ball_diameter``: ball diameter [mm]; ``typical_load``: typical axial load [N].
     """
-    size = 1e3 * OVERSIZE * ball * _draw_log_uniform(rng, 0.3, 2.5)
+    size = 1e3 * OVERSIZE * ball_diameter * _draw_log_uniform(rng, 0.3, 2.5)
     if kind == "force":
-        return {"force": f"{force * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
+        return {"force": f"{typical_load * _draw_log_uniform(rng, 0.1, 0.6):.3g} N"}
     if kind == "lead offset":
         return {"lead_offset": f"{2.0 * size * rng.choice([-1.0, 1.0]):.3g} um"}
     return {"oversize": f"{size if kind == 'oversize' else -size:.3g} um"}
@@ -239,20 +239,25 @@ def _draw_supports(rng: np.random.Generator, length: int) -> list[dict[str, Any]
     return [left, {"at": f"{length} mm", "fix": held} | ({"displace": given} if given else {})]
 
 
-def _draw_loads(rng: np.random.Generator, force: float, radius: float, at: str) -> list[dict[str, Any]]:
+def _draw_loads(
+    rng: np.random.Generator, typical_load: float, pitch_radius: float, nut_position: str
+) -> list[dict[str, Any]]:
     """Draw the loads on a screw, and return the scene keys of each load.
 
-    An axial load acts on the left end; a moment and a radial force act at the nut, each on three of ten screws. ``force``:
-    typical axial load [N]; ``radius``: pitch radius [mm]; ``at``: axial position of the nut as text with its unit.
+    An axial load acts on the left end; a moment and a radial force act at the nut, each on three of ten screws.
+    ``typical_load``: typical axial load [N]; ``pitch_radius``: pitch radius [mm]; ``nut_position``: axial position of the
+    nut as text with its unit.
     """
-    axial = force * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
-    moment = force * radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
-    radial, turn = force * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
+    axial = typical_load * _draw_log_uniform(rng, 0.15, 1.6) * rng.choice([-1.0, 1.0])
+    moment = typical_load * pitch_radius * 1e-3 * rng.uniform(0.05, 0.5) * (rng.random() < 0.3)
+    radial, turn = typical_load * rng.uniform(0.02, 0.2) * (rng.random() < 0.3), rng.uniform(0.0, 2.0 * pi)
     out: list[dict[str, Any]] = [{"at": "0 mm", "force": ["0 N", "0 N", f"{axial:.4g} N"]}]
     if moment or radial:
         x, y = np.cos(turn), np.sin(turn)
         across = [f"{radial * x:.4g} N", f"{radial * y:.4g} N", "0 N"]
-        out.append({"at": at, "force": across, "moment": [f"{-moment * y:.4g} N m", f"{moment * x:.4g} N m", "0 N m"]})
+        out.append(
+            {"at": nut_position, "force": across, "moment": [f"{-moment * y:.4g} N m", f"{moment * x:.4g} N m", "0 N m"]}
+        )
     return out
 
 
@@ -297,7 +302,7 @@ RAISED = 1.05
 Record = dict[str, Any]
 
 
-def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
+def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Record:
     """Draw a random ball screw, and compare the low-order models with the 3D reference on it.
 
     A failure becomes part of the returned record; no exception is raised.
@@ -308,7 +313,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
         Seed of the survey.
     number
         Number of the screw.
-    runs
+    run_folder
         Folder of stored runs of the 3D reference, which are not computed again; None: nothing is stored.
 
     Returns
@@ -317,17 +322,17 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
         Record of the screw as JSON values: its properties, status of the 3D reference, and errors of the models.
     """
     begin = process_time()
-    text, name = scene_text(seed, number), f"survey-{seed}-{number}"
+    text, name = random_screw_scene_text(seed, number), f"survey-{seed}-{number}"
     record: Record = {"number": number, "version": __version__}
     try:
-        scene, raised = scenes_with_given_and_raised_loads(text, name)
-        record |= features_that_affect_model_error(scene)
-        found = [run for one in (scene, raised) if (run := stored_run(runs, one)) is not None]
+        scene, raised = scenes_under_given_and_raised_loads(text, name)
+        record |= screw_properties_for_record(scene)
+        found = [run for one in (scene, raised) if (run := stored_run(run_folder, one)) is not None]
         if len(found) < 2:
-            task = Task((scene, raised), LEVEL, cut_cells=CUT_CELLS)
-            found = compute_runs(task)
-            if runs is not None:
-                store_runs_and_bodies(runs, task, found, None)
+            task = ReferenceTask((scene, raised), LEVEL, cut_end_cell_ratio=CUT_CELLS)
+            found = compute_reference_runs(task)
+            if run_folder is not None:
+                store_runs_and_bodies(run_folder, task, found, None)
         record |= compare_models_with_reference(scene, raised, found)
     except InputError as error:
         record["status"] = one_line(str(error), 400)
@@ -336,7 +341,7 @@ def survey_screw(seed: int, number: int, runs: Path | None = None) -> Record:
     return record | {"seconds": round(process_time() - begin, 1)}
 
 
-def scenes_with_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
+def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
     """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED` (1.05).
 
     The axial tangent rigidity follows from the solutions of both. ``text``: TOML text of the scene file; ``name``: name of
@@ -346,13 +351,13 @@ def scenes_with_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Sce
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_load_times_raise_factor(x) for x in scene.loads))
 
 
-def stored_run(runs: Path | None, scene: Scene) -> Run | None:
+def stored_run(run_folder: Path | None, scene: Scene) -> Run | None:
     """Return the stored solution of a scene by the 3D reference on mesh level 1; None if there is none.
 
-    ``runs``: folder of stored solutions; None: nothing is stored.
+    ``run_folder``: folder of stored solutions; None: nothing is stored.
     """
-    paths = [] if runs is None else sorted(runs.glob(f"{scene.name}-level{LEVEL}-*.json"))
-    return next((run for path in paths if (run := read_run(path, scene, LEVEL, "")) is not None), None)
+    paths = [] if run_folder is None else sorted(run_folder.glob(f"{scene.name}-level{LEVEL}-*.json"))
+    return next((run for path in paths if (run := read_run_file(path, scene, LEVEL, "")) is not None), None)
 
 
 def _load_times_raise_factor(load: Any) -> Any:
@@ -361,7 +366,7 @@ def _load_times_raise_factor(load: Any) -> Any:
     return replace(load, force=force, moment=moment)
 
 
-def features_that_affect_model_error(scene: Scene) -> Record:
+def screw_properties_for_record(scene: Scene) -> Record:
     """Return those properties of a screw that affect the error of low-order models and are known without a solution.
 
     Their names end in the unit. "low_face_radii" and "high_face_radii" are the distances from the nut's
@@ -417,9 +422,9 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
     answers, seconds = {}, {}
     for name in MODELS:
         begin = process_time()
-        answer = run_model(scene, name, Options(discretisation=False))
+        answer = run_model(scene, name, ModelOptions(estimate_beam_mesh_error=False))
         further = process_time()
-        answers[name] = answer, run_model(raised, name, Options(discretisation=False))
+        answers[name] = answer, run_model(raised, name, ModelOptions(estimate_beam_mesh_error=False))
         seconds[name] = {"seconds": round(further - begin, 3), "further_seconds": round(process_time() - further, 3)}
     points = {
         name: measure_model_error(
@@ -429,43 +434,46 @@ def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Ru
         if first.converged and second.converged
     }
     places = (
-        loaded_section_state(scene, loads_from_run(run, "")),
-        loaded_section_state(raised, loads_from_run(raised_run, "")),
+        state_of_loaded_section(scene, solution_from_run(run, "")),
+        state_of_loaded_section(raised, solution_from_run(raised_run, "")),
     )
     state |= {
         "contacts": int((run.load > 0.0).sum()),
         "mean_N": round(mean, 4),
         "spread": round(float(run.load[run.load > 0.0].std()) / mean, 4),
         "preload_over_load": round(float(second / first), 4),
-        "displacement_um": round(1e6 * places[0].moved, 5),
-        "rigidity_N_per_um": _rounded_or_none(rigidity_between(places), 1e-6),
+        "displacement_um": round(1e6 * places[0].axial_displacement, 5),
+        "rigidity_N_per_um": _round_or_none(axial_rigidity_between_states(places), 1e-6),
         "models": {
             name: _record_of_model_errors(scene, answers[name][0], run, p) | seconds[name] for name, p in points.items()
         },
-        "places": {d.name: round(d.value(scene), 4) for d in DESCRIPTORS},
+        "places": {d.name: round(d.value_of_scene(scene), 4) for d in DESCRIPTORS},
         "points": [asdict(p) for p in points.values()],
     }
     return state
 
 
-def _rounded_or_none(value: float | None, factor: float = 1.0) -> float | None:
+def _round_or_none(value: float | None, factor: float = 1.0) -> float | None:
     """Return a value times a factor, rounded to five decimal places; None if the value is None."""
     return None if value is None else round(factor * value, 5)
 
 
-def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, point: Point) -> Record:
+def _record_of_model_errors(scene: Scene, result: StaticResult, run: Run, measured_errors: MeasuredModelErrors) -> Record:
     """Return a model's errors on a randomly drawn screw [%], with the errors that are expected from other scenes.
 
-    ``result``: the model's solution; ``run``: solution of the 3D reference; ``point``: the model's errors against it.
+    ``result``: the model's solution; ``run``: solution of the 3D reference; ``measured_errors``: the model's errors against
+    it.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))
-    expected = estimate_model_error(scene, result, [p for p in errors_on_compared_scenes() if p.scene != point.scene])
+    expected = estimate_model_error(
+        scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != measured_errors.scene]
+    )
     return {
         "status": result.status,
-        "largest_percent": point.percent,
+        "largest_percent": measured_errors.percent,
         "at": f"{error.ball} {error.side}",
-        **{name: getattr(point, name) for name in ("gate_percent", *QUANTITIES[1:])},
-        **{name.replace("percent", "expected_percent"): _rounded_or_none(getattr(expected, name)) for name in QUANTITIES},
+        **{name: getattr(measured_errors, name) for name in ("gate_percent", *QUANTITIES[1:])},
+        **{name.replace("percent", "expected_percent"): _round_or_none(getattr(expected, name)) for name in QUANTITIES},
         "not_covered": "" if expected.percent is not None else one_line(expected.words[-1], 200),
     }
 
@@ -486,16 +494,16 @@ def _solve_screw_and_append_record(folder: Path, token: str, seed: int, number: 
     ``token``: text in the folder that identifies the present execution of the survey; ``seed``: seed of the survey;
     ``number``: number of the screw. Returns None without solving if a later execution has taken over the folder.
     """
-    if not sample.is_current_run(folder, token):
+    if not sample.is_token_of_current_run(folder, token):
         return None
-    with sample.hold_lock(folder):
+    with sample.hold_process_lock(folder):
         record = survey_screw(seed, number, folder / "runs")
         sample.RecordWriter(folder, token).append([record])
     return record
 
 
 def solve_screws_of_survey(
-    seed: int, count: int, folder: Path, workers: int, step: Callable[[str], None], record_file: Path | None = None
+    seed: int, count: int, folder: Path, workers: int, show_progress: Callable[[str], None], record_file: Path | None = None
 ) -> list[Record]:
     """Compare the models on the first ``count`` screws of a survey, and return the records; stored ones are reused.
 
@@ -509,7 +517,7 @@ def solve_screws_of_survey(
         Folder in which the record of each screw is stored once it is solved.
     workers
         Number of parallel processes.
-    step
+    show_progress
         Function that is called with a line of progress for every screw.
     record_file
         File of an earlier survey, whose records are used if seed, mesh level and version are the same; None: no file.
@@ -526,20 +534,20 @@ def solve_screws_of_survey(
     """
     sample.create_or_check_sweep_folder(folder, {"survey": seed, "level": LEVEL, "version": __version__})
     with sample.reserve_sweep_folder(folder) as token:
-        before = [*_stored_answers(record_file, seed), *sample.stored_records(folder)]
+        before = [*_valid_records_in_file(record_file, seed), *sample.stored_records(folder)]
         known = {record["number"]: record for record in before if not records_without_converged_loads([record])}
         left = [number for number in range(count) if number not in known]
         if len(left) < count:
-            step(f"{count - len(left)} scenes of {count} are known")
+            show_progress(f"{count - len(left)} scenes of {count} are known")
         jobs = [(_solve_screw_and_append_record, (folder, token, seed, number)) for number in left]
-        for job, record in parallel.as_done(jobs, "joblib", None, workers):
+        for job, record in parallel.run_jobs(jobs, "joblib", None, workers):
             if record is not None:
                 known[left[job]] = record
-                step(f"[{len(known)}/{count}] scene {left[job]}: {record['status']}, {record['seconds']:.0f} s")
+                show_progress(f"[{len(known)}/{count}] scene {left[job]}: {record['status']}, {record['seconds']:.0f} s")
     return [known[number] for number in range(count) if number in known]
 
 
-def _stored_answers(path: Path | None, seed: int) -> list[Record]:
+def _valid_records_in_file(path: Path | None, seed: int) -> list[Record]:
     """Return those records in a survey's file that have this seed and the present mesh level and program version.
 
     ``path``: the file; None: no file; ``seed``: seed of the survey. The list is empty without such records.
@@ -556,7 +564,7 @@ def records_without_converged_loads(records: Sequence[Record]) -> list[Record]:
     return [r for r in records if r["status"] != ANSWERED or r.get("raised_status", ANSWERED) != ANSWERED]
 
 
-def survey_json(seed: int, records: Sequence[Record]) -> str:
+def survey_records_as_json(seed: int, records: Sequence[Record]) -> str:
     """Return the records of a survey as JSON text, one screw per line after the numbers of screws asked and solved."""
     asked = 1 + max((r["number"] for r in records), default=-1)
     head = {"command": f"rollbench stability --survey {asked}", "seed": seed, "level": LEVEL, "solved": len(records)}
@@ -564,19 +572,19 @@ def survey_json(seed: int, records: Sequence[Record]) -> str:
     return json.dumps(head)[:-1] + f', "scenes": [\n{rows}\n]}}\n'
 
 
-def shipped_survey() -> dict[str, Any]:
+def built_in_survey() -> dict[str, Any]:
     """Return the survey of random screws in the package as JSON values; it has no screws if its file is missing."""
     path = shipped_store() / SURVEY
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"scenes": []}
     return found
 
 
-def records_of_known_screws() -> list[Record]:
+def records_for_error_estimates() -> list[Record]:
     """Return the records of the first `KNOWN_SCREWS` screws of the stored survey, from which expected errors are estimated.
 
     The records of later screws test whether the estimated errors hold.
     """
-    return [record for record in shipped_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
+    return [record for record in built_in_survey()["scenes"] if record["number"] < KNOWN_SCREWS]
 
 
 #: Aims for the errors of the refined model on random screws: of the worst contact, and root mean square [% of the mean
@@ -588,16 +596,16 @@ class ModelAccuracy(NamedTuple):
     """Accuracy of a low-order model on randomly drawn screws, against the 3D reference."""
 
     #: Number of screws.
-    screws: int
+    screw_count: int
     #: Number of screws whose errors are within both `WORST_AIM` and `RMS_AIM`.
-    within: int
+    within_aims: int
     #: Largest error of a contact load [% of the mean load].
-    largest: float
+    largest_error: float
     #: Number of screws whose largest error does not exceed the error that was expected for the screw.
-    as_expected: int
+    within_expected_error: int
 
 
-def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
+def model_accuracy_on_random_screws(records: Sequence[Record], model: str = "refined") -> ModelAccuracy:
     """Return the accuracy of a low-order model against the 3D reference, over all records with errors of this model."""
     errors = [r["models"][model] for r in records if model in r.get("models", {})]
     worst = [abs(e["largest_percent"]) for e in errors]
@@ -606,7 +614,7 @@ def model_accuracy(records: Sequence[Record], model: str = "refined") -> ModelAc
     return ModelAccuracy(len(errors), within, max(worst, default=0.0), held)
 
 
-def error_summary_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
+def error_summary_rows_of_all_models(records: Sequence[Record]) -> list[dict[str, Any]]:
     """Return table rows with median, 95th percentile and maximum of each model's errors over randomly drawn screws.
 
     There is a row for each model and kind of error, such as the largest or the root mean square. Its keys are `SUMS`, where

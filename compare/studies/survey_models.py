@@ -1,7 +1,7 @@
 """Errors of models, also of users' models, on randomly drawn ball screws (`survey`), against stored 3D contact loads.
 
-The contact loads of the survey's runs are stored next to its record (`store_loads`), each with a digest of its screw. If
-the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
+The contact loads of the survey's runs are stored next to its record (`store_reference_loads`), each with a digest of its
+screw. If the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
 
 The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, level 2
 is solved too, so that the error of level 1 and the time of either level are known. Times are processor times of one process
@@ -23,23 +23,23 @@ import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
 from rollbench.compare.files import replace_file, shipped_path
-from rollbench.compare.gate.user import run_record_of_loads
-from rollbench.compare.gate.verdict import LIMIT, Limits, judge_contact_loads
+from rollbench.compare.gate.user import loads_as_run_record
+from rollbench.compare.gate.verdict import LIMIT, ErrorLimits, judge_contact_loads
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.applicability import KNOWN_SCREWS
 from rollbench.compare.models.loads_file import load_rows_for_csv
 from rollbench.compare.models.programs import model_title
-from rollbench.compare.models.registry import Options, find_model, run_model
+from rollbench.compare.models.registry import ModelOptions, model_by_name, run_model
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.estimate import Reference, largest_uncertainty_percent, reference_from_runs
-from rollbench.compare.reference.store import SCHEMA, UNSAID, Measured, measuring_conditions
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.store import SCHEMA, UNSAID, MeasuringConditions, measuring_conditions
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.results.base import add_schema_version
 from rollbench.compare.running import usable_cores
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.run_times import load_from_first_valid_store, today
+from rollbench.compare.studies.run_times import read_from_first_valid_folder, utc_date_text
 from rollbench.compare.studies.sweep.run import COMPILE_FROM
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.meshes.arrays import Array
@@ -62,9 +62,9 @@ WORST = 5
 Row = dict[str, Any]
 
 
-def drawn_screw(number: int) -> Scene:
+def random_screw_scene(number: int) -> Scene:
     """Return the ball screw number ``number`` of the survey, which draws screws at random, as a scene."""
-    return scene_file.scene_from_text(survey.scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
+    return scene_file.scene_from_text(survey.random_screw_scene_text(survey.SEED, number), f"{screw_name(number)}.toml")
 
 
 def screw_name(number: int) -> str:
@@ -72,16 +72,16 @@ def screw_name(number: int) -> str:
     return f"survey-{survey.SEED}-{number}"
 
 
-def store_loads(path: Path, runs: Path, count: int) -> int:
+def store_reference_loads(path: Path, run_folder: Path, count: int) -> int:
     """Write the contact loads by the 3D reference on the first ``count`` random screws to a file.
 
-    ``path``: the file; ``runs``: folder with stored solutions of the 3D reference. For screws without a solution there, the
-    loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if it cannot be
-    written.
+    ``path``: the file; ``run_folder``: folder with stored solutions of the 3D reference. For screws without a solution
+    there, the loads that the file already has are kept. Returns the number of screws in the file. Raises InputError if it
+    cannot be written.
     """
-    before = _read_loads(path)
+    before = _read_reference_loads(path)
     for number in range(count):
-        run = survey.stored_run(runs, scene := drawn_screw(number))
+        run = survey.stored_run(run_folder, scene := random_screw_scene(number))
         if run is not None:
             load = [[float(f"{x:.6g}") for x in row] for row in run.load]
             before[number] = {"number": number, "of": _scene_digest(scene), "moving": run.moving, "load": load}
@@ -96,7 +96,7 @@ def _scene_digest(scene: Scene) -> str:
     return digest_of_values(SCHEMA, replace(scene, **UNSAID))[:16]
 
 
-def _read_loads(path: Path) -> dict[int, Row]:
+def _read_reference_loads(path: Path) -> dict[int, Row]:
     """Read the contact loads of randomly drawn screws from a file, and return them by the number of the screw.
 
     The result is empty if the file is missing, or was written for another seed or mesh level.
@@ -111,10 +111,10 @@ def _read_loads(path: Path) -> dict[int, Row]:
 @cache
 def stored_loads() -> dict[int, Row]:
     """Return the contact loads by the 3D reference on random screws, stored in the package, by number of the screw."""
-    return _read_loads(shipped_path(f"references/{LOADS}"))
+    return _read_reference_loads(shipped_path(f"references/{LOADS}"))
 
 
-def stored_reference(scene: Scene, number: int) -> Reference | None:
+def reference_from_stored_loads(scene: Scene, number: int) -> Reference | None:
     """Return the 3D reference of a randomly drawn screw from its stored contact loads; None if none are stored.
 
     ``scene``: the screw; ``number``: its number. The uncertainty is that of other scenes on the same mesh level.
@@ -123,11 +123,11 @@ def stored_reference(scene: Scene, number: int) -> Reference | None:
     if row is None or row["of"] != _scene_digest(scene):
         return None
     load = np.array(row["load"])
-    run = replace(run_record_of_loads(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
+    run = replace(loads_as_run_record(scene, load, np.full(load.shape, np.nan)), level=survey.LEVEL, moving=row["moving"])
     return reference_from_runs(scene.name, scene, (run,), contacts=nominal_contacts(scene))
 
 
-def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
+def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, engine: str = "interpreted") -> Row:
     """Solve a randomly drawn screw with a model, and compare the contact loads with the stored 3D reference.
 
     Parameters
@@ -147,23 +147,23 @@ def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, en
         Errors in per cent and whether they are within the limit, or the reason why the model is not judged, with the text
         of the exception if one was raised.
     """
-    scene = drawn_screw(number)
+    scene = random_screw_scene(number)
     row: Row = {"screw": number, "title": scene.title.partition(": ")[2], "balls": scene.ball_count, "status": ""}
-    found = stored_reference(scene, number)
+    found = reference_from_stored_loads(scene, number)
     if found is None:
         return row | {"status": "no stored reference"}
-    known = find_model(model)
-    if not known.suits(scene):
+    known = model_by_name(model)
+    if not known.covers_scene(scene):
         return row | {"status": "the model does not describe it"}
     start = perf_counter()
     try:
-        result = run_model(scene, model, Options(discretisation=False, engine=engine))
+        result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False, engine=engine))
     except InputError as fault:
         return row | {"status": one_line(str(fault), 300), "error": fault}
     seconds = perf_counter() - start
     if not result.converged:
         return row | {"status": str(result.status), "seconds": seconds}
-    verdict = judge_contact_loads(model_title(model), result.load, found, Limits(limit))[0]
+    verdict = judge_contact_loads(model_title(model), result.load, found, ErrorLimits(limit))[0]
     off = load_error(result.load, found.load, found.contacts)
     pressed = np.cbrt(result.load.max() / found.load.max())  # Hertz
     return row | {
@@ -179,8 +179,8 @@ def judge_model_on_drawn_screw(model: str, number: int, limit: float = LIMIT, en
     }
 
 
-def compare_models_on_drawn_screws(
-    models: Sequence[str], count: int, workers: int | None, limit: float, step: Callable[[str], None]
+def compare_models_on_random_screws(
+    models: Sequence[str], count: int, workers: int | None, limit: float, show_progress: Callable[[str], None]
 ) -> dict[str, Any]:
     """Compare models with the 3D reference on the first ``count`` random screws, and add stored errors of our models.
 
@@ -194,7 +194,7 @@ def compare_models_on_drawn_screws(
         Number of parallel processes.
     limit
         Largest allowed error of a contact load [% of the mean load].
-    step
+    show_progress
         Function that is called with each line of progress.
 
     Returns
@@ -212,10 +212,10 @@ def compare_models_on_drawn_screws(
     if not 0.0 < limit < float("inf"):
         raise ArgumentError("max_error", f"{limit:g}", "above 0 %", "give a limit in per cent, such as 7")
     for name in models:
-        find_model(name, excluded=("condensed",))
+        model_by_name(name, excluded_names=("condensed",))
     numbers = [number for number in range(count) if number in stored_loads()]
-    rows = {name: _judge_model_on_screws(name, numbers, workers, limit, step) for name in models}
-    ours = [r for r in survey.shipped_survey()["scenes"] if r["number"] in numbers]
+    rows = {name: _judge_model_on_screws(name, numbers, workers, limit, show_progress) for name in models}
+    ours = [r for r in survey.built_in_survey()["scenes"] if r["number"] in numbers]
     record: dict[str, list[Row]] = {
         name: [
             {"screw": r["number"], "title": r["title"].partition(": ")[2], "status": r["status"]} | r["models"][name]
@@ -233,7 +233,7 @@ def compare_models_on_drawn_screws(
             "screws": len(numbers),
             "of": count,
             "max_error_percent": limit,
-            "summary": [line for name, of in everything.items() for line in error_summary_of_model(name, of)],
+            "summary": [line for name, of in everything.items() for line in error_summary_rows_of_model(name, of)],
             "verdicts": {name: dict(Counter(r["verdict"] for r in of if "verdict" in r)) for name, of in rows.items()},
             "without_answer": {name: sum(r["status"] != survey.ANSWERED for r in of) for name, of in rows.items()},
             "models": everything,
@@ -242,33 +242,33 @@ def compare_models_on_drawn_screws(
 
 
 def _judge_model_on_screws(
-    model: str, numbers: Sequence[int], workers: int | None, limit: float, step: Callable[[str], None]
+    model: str, numbers: Sequence[int], workers: int | None, limit: float, show_progress: Callable[[str], None]
 ) -> list[Row]:
     """Compare a model with the 3D reference on several random screws, and return one row for each, in their order.
 
     ``numbers``: numbers of the screws; ``workers``: number of parallel processes; ``limit``: largest allowed error [% of
-    the mean load]; ``step``: function that is called with each line of progress. Raises the model's error if it fails on
-    each of the screws that are tried first.
+    the mean load]; ``show_progress``: function that is called with each line of progress. Raises the model's error if it
+    fails on each of the screws that are tried first.
     """
     engine = "compiled" if len(numbers) >= COMPILE_FROM else "interpreted"
-    first = [judge_model_on_drawn_screw(model, number, limit, engine) for number in numbers[:FIRST]]
+    first = [judge_model_on_random_screw(model, number, limit, engine) for number in numbers[:FIRST]]
     errors = [row["error"] for row in first if "error" in row]
     if first and len(errors) == len(first):
         raise errors[0]
     rows, begin, pulse = {row["screw"]: row for row in first}, perf_counter(), 0
-    jobs: list[parallel.Job] = [(judge_model_on_drawn_screw, (model, number, limit, engine)) for number in numbers[FIRST:]]
-    for _, row in parallel.as_done(jobs, "joblib", None, workers):
+    jobs: list[parallel.Job] = [(judge_model_on_random_screw, (model, number, limit, engine)) for number in numbers[FIRST:]]
+    for _, row in parallel.run_jobs(jobs, "joblib", None, workers):
         rows[row["screw"]] = row
         if len(rows) == len(numbers) or perf_counter() - begin > 10.0 * (pulse + 1):
             pulse = int((perf_counter() - begin) / 10.0)
-            step(f"[{len(rows)}/{len(numbers)}] {model_title(model)}: {perf_counter() - begin:.0f} s")
+            show_progress(f"[{len(rows)}/{len(numbers)}] {model_title(model)}: {perf_counter() - begin:.0f} s")
     return [{k: v for k, v in rows[number].items() if k != "error"} for number in numbers]
 
 
-def error_summary_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
+def error_summary_rows_of_model(model: str, rows: Sequence[Row]) -> list[Row]:
     """Return a table row for each kind of error of a model: median, 95th percentile and maximum over the solved screws.
 
-    ``model``: name of the model; ``rows``: rows of `judge_model_on_drawn_screw` for this model.
+    ``model``: name of the model; ``rows``: rows of `judge_model_on_random_screw` for this model.
     """
     out = []
     for error, words in ERRORS.items():
@@ -291,13 +291,13 @@ WHERE: dict[str, Callable[[Mapping[str, Any]], bool]] = {
 }
 
 
-def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
+def median_errors_by_screw_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     """Return a table row for each kind of random screw (such as with clearance) with the median error of each model.
 
     The error is the largest one of a contact load on a screw, in per cent of the mean load. ``models``: rows of
-    `judge_model_on_drawn_screw` by the name of the model.
+    `judge_model_on_random_screw` by the name of the model.
     """
-    known = {r["number"]: r for r in survey.shipped_survey()["scenes"]}
+    known = {r["number"]: r for r in survey.built_in_survey()["scenes"]}
     out = []
     for words, fits in WHERE.items():
         chosen = {number for number, r in known.items() if "moment_Nm" in r and fits(r)}
@@ -311,11 +311,11 @@ def median_errors_by_kind(models: Mapping[str, Sequence[Row]]) -> list[Row]:
     return out
 
 
-def survey_figure(data: Mapping[str, Any]) -> Figure:
+def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
     """Return a figure of the errors of models on randomly drawn screws.
 
     One panel shows the share of screws whose error is below a value, the other the error on every screw; screws are sorted
-    by the error of the first model. ``data``: JSON values of `compare_models_on_drawn_screws`.
+    by the error of the first model. ``data``: JSON values of `compare_models_on_random_screws`.
     """
     models = {
         model_title(name): [r for r in rows if r["status"] == survey.ANSWERED] for name, rows in data["models"].items()
@@ -328,19 +328,21 @@ def survey_figure(data: Mapping[str, Any]) -> Figure:
             continue
         sizes = np.sort([r["largest_percent"] for r in rows])
         share = 100.0 * np.arange(1, sizes.size + 1) / sizes.size
-        lines.append(Series(title, sizes.tolist(), share.tolist(), "line", emphasis=title == main))
+        lines.append(Series(title, sizes.tolist(), share.tolist(), "line", bold=title == main))
         by = {r["screw"]: r for r in rows}
         found = [(k, by[number]) for k, number in enumerate(order, 1) if number in by]
         names = [f"screw {r['screw']}, {r['title']}" for _, r in found]
         errors = [r["largest_percent"] for _, r in found]
-        points.append(Series(title, [k for k, _ in found], errors, "markers", emphasis=title == main, names=names))
+        points.append(Series(title, [k for k, _ in found], errors, "markers", bold=title == main, point_names=names))
     label = "worst contact load: error / % of the mean load"
     return Figure(
         "survey",
         f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws",
         (
-            Panel("share of screws below an error", label, "share of the screws / %", lines, log="x", zero=True),
-            Panel("error on each screw", f"screws, sorted by the error of {main}", label, points, log="y"),
+            Panel(
+                "share of screws below an error", label, "share of the screws / %", lines, log_axes="x", include_zero=True
+            ),
+            Panel("error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
         ),
         f"Errors against mesh level {data['level']} of the 3D reference; those of refined and lin are stored ones.",
         columns=1,
@@ -356,7 +358,10 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     file cannot be written.
     """
     allowed = f"0 to {survey.SCENES - 1}, with a stored reference"
-    if not 0 <= number < survey.SCENES or (found := stored_reference(scene := drawn_screw(number), number)) is None:
+    if (
+        not 0 <= number < survey.SCENES
+        or (found := reference_from_stored_loads(scene := random_screw_scene(number), number)) is None
+    ):
         raise ArgumentError("screw", str(number), allowed, "choose the number of another screw")
     text, loads = folder / f"{screw_name(number)}.toml", folder / f"{screw_name(number)}-reference.csv"
     layout = ball_layout(scene)
@@ -364,7 +369,7 @@ def write_scene_and_reference_files(number: int, folder: Path) -> tuple[Path, Pa
     bars = [f"{x:.6g}" for x in found.uncertainty.ravel()]
     lines = [",".join((*row.values(), bar)) for row, bar in zip(rows, bars, strict=True)]
     head = f"# provenance: level {survey.LEVEL} of the 3D reference, screw {number} of the survey"
-    replace_file(text, survey.scene_text(survey.SEED, number))
+    replace_file(text, survey.random_screw_scene_text(survey.SEED, number))
     replace_file(loads, "\n".join([head, ",".join((*rows[0], "uncertainty_N")), *lines]) + "\n")
     return text, loads
 
@@ -400,7 +405,7 @@ class StoredTimedLevelRuns:
     """Timed solutions of random screws on several mesh levels, with version, machine and date of the measurement."""
 
     #: Version, sources and machine of the measurement.
-    measured: Measured
+    measuring_conditions: MeasuringConditions
     #: Date of the last run.
     date: str
     #: Timed solutions, one for each screw and mesh level.
@@ -408,21 +413,21 @@ class StoredTimedLevelRuns:
 
 
 @dataclass(frozen=True)
-class ErrorsAndTimes:
+class LoadErrorsAndTimes:
     """Largest load errors and processor times of a model or mesh level, in arrays with one entry per random screw."""
 
     #: Name of the model or mesh level.
     name: str
     #: Mesh level of the 3D reference with which the loads are compared; empty without a comparison.
-    judged_by: str
+    reference_level: str
     #: Largest error of a contact load by the rule of ``rollbench check`` [%]; an empty array if it is not known.
-    errors: Array
+    gate_errors: Array
     #: Largest error of a contact load [% of the mean load]; an empty array if it is not known.
-    of_mean: Array
+    errors_of_mean_load: Array
     #: Processor time of a new screw [s], for each screw.
-    seconds: Array
+    first_case_seconds: Array
     #: Processor time of a further load case [s], for each screw.
-    further: Array
+    further_case_seconds: Array
 
 
 def numbers_of_screws_for_level_2() -> list[int]:
@@ -431,13 +436,13 @@ def numbers_of_screws_for_level_2() -> list[int]:
     return [int(number) for number in chosen]
 
 
-def load_cases_of_drawn_screw(number: int) -> tuple[Scene, Scene]:
+def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
     """Return the random screw number ``number`` under its drawn loads, then under these loads times 1.05.
 
     The axial tangent rigidity follows from the solutions of both.
     """
     name = f"survey-{survey.SEED}-{number}"
-    return survey.scenes_with_given_and_raised_loads(survey.scene_text(survey.SEED, number), name)
+    return survey.scenes_under_given_and_raised_loads(survey.random_screw_scene_text(survey.SEED, number), name)
 
 
 def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
@@ -449,7 +454,7 @@ def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
     as in the survey. Raises InputError if the screw cannot be meshed.
     """
     limit_to_one_thread()
-    cases = load_cases_of_drawn_screw(number)
+    cases = load_cases_of_random_screw(number)
     solved: list[float] = []
 
     def note_time(text: str) -> None:
@@ -458,52 +463,56 @@ def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
 
     begin = process_time()
     cells = survey.CUT_CELLS if level == survey.LEVEL else 1.0
-    run, _ = compute_runs(Task(cases, level, cut_cells=cells), note_time)
+    run, _ = compute_reference_runs(ReferenceTask(cases, level, cut_end_cell_ratio=cells), note_time)
     new, further = solved[-2] - begin, solved[-1] - solved[-2]
     load = [[float(f"{x:.6g}") for x in row] for row in run.load]
     return TimedLevelRun(number, level, str(run.status), round(new, 2), round(further, 3), load)
 
 
-def time_mesh_levels_on_screws(store: Path, step: Callable[[str], None], count: int = COUNT) -> StoredTimedLevelRuns:
+def time_mesh_levels_on_screws(
+    store: Path, show_progress: Callable[[str], None], count: int = COUNT
+) -> StoredTimedLevelRuns:
     """Solve the first ``count`` chosen random screws on mesh levels 1 and 2 and time them, in parallel on all cores.
 
     ``store``: folder in which each solution is stored when it is done. Stored solutions of the same program sources on the
-    same machine are not repeated. ``step``: function that is called with each line of progress. Raises InputError if the
-    file cannot be written.
+    same machine are not repeated. ``show_progress``: function that is called with each line of progress. Raises InputError
+    if the file cannot be written.
     """
-    conditions, known = measuring_conditions(), load_levels((store,))
-    runs = list(known.runs) if known is not None and known.measured == conditions else []
+    conditions, known = measuring_conditions(), load_timed_level_runs((store,))
+    runs = list(known.runs) if known is not None and known.measuring_conditions == conditions else []
     done = {(run.number, run.level) for run in runs}
     jobs = [(n, level) for n in numbers_of_screws_for_level_2()[:count] for level in LEVELS if (n, level) not in done]
-    found = StoredTimedLevelRuns(conditions, today(), runs)
-    for _, run in parallel.as_done([(solve_and_time_mesh_level, job) for job in jobs], "joblib", None, usable_cores()):
+    found = StoredTimedLevelRuns(conditions, utc_date_text(), runs)
+    for _, run in parallel.run_jobs([(solve_and_time_mesh_level, job) for job in jobs], "joblib", None, usable_cores()):
         runs.append(run)
-        found = StoredTimedLevelRuns(conditions, today(), sorted(runs, key=lambda one: (one.number, one.level)))
-        save_levels(store, found)
-        step(f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s")
+        found = StoredTimedLevelRuns(conditions, utc_date_text(), sorted(runs, key=lambda one: (one.number, one.level)))
+        save_timed_level_runs(store, found)
+        show_progress(
+            f"[{len(runs)}/{count * len(LEVELS)}] drawn screw {run.number}, level {run.level}: {run.seconds:.0f} s"
+        )
     return found
 
 
-def save_levels(store: Path, level_runs: StoredTimedLevelRuns) -> None:
-    """Write timed solutions of random screws to a JSON file in the folder ``store``; InputError if that fails."""
-    head = json.dumps({**asdict(level_runs.measured), "date": level_runs.date})
+def save_timed_level_runs(folder: Path, level_runs: StoredTimedLevelRuns) -> None:
+    """Write timed solutions of random screws to a JSON file in the folder ``folder``; InputError if that fails."""
+    head = json.dumps({**asdict(level_runs.measuring_conditions), "date": level_runs.date})
     rows = ",\n".join(json.dumps(asdict(run), separators=(",", ":")) for run in level_runs.runs)
-    replace_file(store / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
+    replace_file(folder / RUNS, f'{head[:-1]}, "runs": [\n{rows}\n]}}\n')
 
 
-def load_levels(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
+def load_timed_level_runs(stores: Sequence[Path]) -> StoredTimedLevelRuns | None:
     """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
     def read(data: dict[str, object]) -> StoredTimedLevelRuns:
-        measured = Measured(str(data["version"]), str(data["sources"]), str(data["machine"]))
+        measured = MeasuringConditions(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)
         return StoredTimedLevelRuns(measured, str(data["date"]), [TimedLevelRun(**row) for row in rows])
 
-    return load_from_first_valid_store(stores, RUNS, read)
+    return read_from_first_valid_folder(stores, RUNS, read)
 
 
-def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[ErrorsAndTimes]:
+def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[survey.Record]) -> list[LoadErrorsAndTimes]:
     """Return load errors and processor times of the models and of mesh levels 1 and 2 on random screws.
 
     Models are compared with mesh level 1 on all random screws. Models and mesh level 1 are compared with level 2 on the
@@ -519,7 +528,7 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
     answers = {model: [r["models"][model] for r in records if model in r.get("models", {})] for model in survey.MODELS}
     keys = ("gate_percent", "largest_percent", *SECONDS)
     found = [
-        ErrorsAndTimes(
+        LoadErrorsAndTimes(
             model, "level 1", *(np.array([abs(row[key]) for row in rows if row[key] is not None]) for key in keys)
         )
         for model, rows in answers.items()
@@ -529,10 +538,13 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
     both = sorted(coarse.keys() & fine.keys())
     times = {r["number"]: r["models"] for r in records if "models" in r}
     for model in survey.MODELS if both else ():
-        loads = [run_model(load_cases_of_drawn_screw(n)[0], model, Options(discretisation=False)).load for n in both]
+        loads = [
+            run_model(load_cases_of_random_screw(n)[0], model, ModelOptions(estimate_beam_mesh_error=False)).load
+            for n in both
+        ]
         new, further = (np.array([times[number][model][key] for number in both]) for key in SECONDS)
         found.append(
-            ErrorsAndTimes(
+            LoadErrorsAndTimes(
                 model, "level 2", *_largest_load_error_of_each_screw(loads, [fine[n] for n in both]), new, further
             )
         )
@@ -545,19 +557,23 @@ def errors_and_times_of_models(runs: Sequence[TimedLevelRun], records: Sequence[
             if level < max(LEVELS)
             else (np.zeros(0), np.zeros(0))
         )
-        found.append(ErrorsAndTimes(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further))
+        found.append(
+            LoadErrorsAndTimes(f"3D level {level}", "level 2" if level < max(LEVELS) else "", *errors, new, further)
+        )
     return found
 
 
-def _largest_load_error_of_each_screw(loads: Sequence[Array], references: Sequence[TimedLevelRun]) -> tuple[Array, Array]:
+def _largest_load_error_of_each_screw(
+    loads: Sequence[Array], reference_runs: Sequence[TimedLevelRun]
+) -> tuple[Array, Array]:
     """Return the largest load error on each screw by the rule of ``rollbench check`` [%], then in % of the mean load.
 
-    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``references``: for each screw the solution that counts
-    as exact.
+    ``loads``: contact loads (n, 4) [N] of each screw with n balls; ``reference_runs``: for each screw the solution that
+    counts as exact.
     """
     found = [
-        load_error(load, np.array(truth.load), nominal_contacts(load_cases_of_drawn_screw(truth.number)[0]))
-        for load, truth in zip(loads, references, strict=True)
+        load_error(load, np.array(truth.load), nominal_contacts(load_cases_of_random_screw(truth.number)[0]))
+        for load, truth in zip(loads, reference_runs, strict=True)
     ]
     return np.array([e.gate_percent for e in found]), np.array([e.max_percent for e in found])
 

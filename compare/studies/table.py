@@ -15,24 +15,24 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import TANGENT_OF, rate_contact_loads, tangent_stiffness_at
+from rollbench.compare.models.answers import TANGENT_OF, results_of_contact_loads, tangent_stiffness_at
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import AXIS_MODELS, Options, default_model, find_model
+from rollbench.compare.models.registry import AXIS_MODELS, ModelOptions, default_model_name, model_by_name
 from rollbench.compare.quantities import record_as_json
-from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
+from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.results.table import CONVERGED, Over, Table, TableRow, table_from_json
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.keys import (
     VariedKey,
-    pairs_of_varied_and_replaced_keys,
     read_varied_keys_of_table,
     tables_with_varied_keys,
+    varied_and_replaced_keys,
 )
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
-from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.meshes import units
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -58,33 +58,33 @@ LOAD = "load"
 
 
 @dataclass(frozen=True)
-class SceneTableOptions:
+class SceneTableRequest:
     """Checked request for a table of results of a scene over several values of its keys, such as the contact angle."""
 
     #: Text of the scene file.
-    text: str
+    scene_text: str
     #: Name of the scene or its file, for error messages.
-    origin: str
+    scene_origin: str
     #: Name of the scene.
-    scene: str
+    scene_name: str
     #: Varied keys with their values.
-    keys: tuple[VariedKey, ...]
+    varied_keys: tuple[VariedKey, ...]
     #: Columns of the table with the values of these keys.
-    over: tuple[Over, ...]
+    key_columns: tuple[Over, ...]
     #: Name of the model.
     model: str
     #: Names of the requested quantities, keys of `QUANTITIES`.
     quantities: tuple[str, ...]
     #: Axial position [m] at which the stiffness is requested, or name of a nut or bearing; None: centre of the nut, or the
     #: position that the scene of a shaft states.
-    station: float | str | None
+    stiffness_position: float | str | None
     #: Text on which body the stiffness belongs to, and what holds it.
-    stiffness_of: str
+    stiffness_body_text: str
 
 
-def check_request(
+def check_table_request(
     scene: str, over: Sequence[str], quantities: Sequence[str], model: str = "", stiffness_at: str | float | None = None
-) -> SceneTableOptions:
+) -> SceneTableRequest:
     """Check a request for a table of a scene over values of its keys, before anything is solved.
 
     Parameters
@@ -102,7 +102,7 @@ def check_request(
 
     Returns
     -------
-    SceneTableOptions
+    SceneTableRequest
         The request.
 
     Raises
@@ -110,7 +110,7 @@ def check_request(
     InputError
         If scene, key, unit, quantity or model is unknown.
     """
-    described = scene_file.scene_or_assembly_or_raise(catalogue.any_scene(scene), scene)
+    described = scene_file.scene_or_shaft_or_raise(catalogue.scene_of_any_kind(scene), scene)
     shipped = scene in catalogue.scene_names()
     text, origin = (
         (catalogue.shipped_scene_text(scene), f"{scene}.toml") if shipped else (scene_file.read_scene_text(scene), scene)
@@ -118,18 +118,18 @@ def check_request(
     for name in quantities:
         if name not in QUANTITIES:
             raise ArgumentError("quantities", name, ", ".join(QUANTITIES), "give names separated by commas")
-    model = model or default_model(described)
+    model = model or default_model_name(described)
     _check_model_for_table(described, model, quantities)
     raw = scene_file.parse_toml(text, origin)
     typed = read_varied_keys_of_table(over)
     keys = tuple(replace(x, key=axial_load_key(raw, origin)) if x.key == LOAD else x for x in typed)
     for vary in keys:
-        for value in vary.choices:
+        for value in vary.listed_values:
             scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), origin)
-    if math.prod(len(x.choices) for x in keys) > MOST:
+    if math.prod(len(x.listed_values) for x in keys) > MOST:
         raise ArgumentError("over", f"more than {MOST} combinations", f"up to {MOST} combinations", "give fewer values")
     columns = tuple(_column_of_varied_key(x) for x in typed)
-    return SceneTableOptions(
+    return SceneTableRequest(
         text,
         origin,
         described.name,
@@ -137,7 +137,7 @@ def check_request(
         columns,
         model,
         tuple(quantities) or USUAL,
-        *_place_and_body_of_stiffness(stiffness_at, described),
+        *_position_and_body_of_stiffness(stiffness_at, described),
     )
 
 
@@ -147,14 +147,14 @@ def _check_model_for_table(scene: Scene | Assembly, model: str, quantities: Sequ
         if model not in AXIS_MODELS:
             raise ArgumentError("model", model, ", ".join(AXIS_MODELS), "choose one of these")
         return
-    find_model(model, excluded=("condensed",))
+    model_by_name(model, excluded_names=("condensed",))
     if TANGENT_OF.get(model, model) not in LADDER and "stiffness" in (quantities or USUAL):
         allowed = ", ".join((*LADDER, *TANGENT_OF))
         advice = "leave stiffness out of `quantities`, as the model has no stiffness matrix, or choose another model"
         raise ArgumentError("model", model, allowed, advice)
 
 
-def _place_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
+def _position_and_body_of_stiffness(given: str | float | None, scene: Scene | Assembly) -> tuple[float | str | None, str]:
     """Return the axial position at which the stiffness is requested, then a text on the body to which it belongs.
 
     ``given``: the position as the user wrote it. The returned position is a number [m], the name of a nut or bearing, or
@@ -201,15 +201,15 @@ def _number_without_unit(text: Any) -> float:
 
 def _column_of_varied_key(vary: VariedKey) -> Over:
     """Return the table column with the values of a varied key: numbers if all have the same unit, else texts as written."""
-    split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.choices]
+    split = [split_quantity_text(str(x)) if not isinstance(x, bool) else None for x in vary.listed_values]
     spelt = {x[1] for x in split if x is not None}
     if None in split or len(spelt) > 1:
-        return Over(vary.key, vary.key, vary.choices)
+        return Over(vary.key, vary.key, vary.listed_values)
     unit = "".join(spelt).replace(" ", "")
     return Over(vary.key, f"{vary.key}_{unit}" if unit else vary.key, tuple(float(x[0]) for x in split if x is not None))
 
 
-def solve_row(request: SceneTableOptions, values: Sequence[Any], engine: str) -> TableRow:
+def solve_table_row(request: SceneTableRequest, values: Sequence[Any], engine: str) -> TableRow:
     """Solve a scene with one combination of the varied keys' values, and return the row of the table.
 
     If scene or model do not allow the values, the status of the row says why.
@@ -218,44 +218,50 @@ def solve_row(request: SceneTableOptions, values: Sequence[Any], engine: str) ->
     Python ("interpreted") or as machine code ("compiled").
     """
     try:
-        raw = tables_with_varied_keys(scene_file.parse_toml(request.text, request.origin), request.keys, values)
-        scene = scene_file.scene_or_assembly_or_raise(scene_tables.scene_from_tables(raw, request.origin), request.origin)
-        if isinstance(scene, Assembly) and isinstance(request.station, float):
-            scene = replace(scene, stiffness_at=request.station)
+        raw = tables_with_varied_keys(
+            scene_file.parse_toml(request.scene_text, request.scene_origin), request.varied_keys, values
+        )
+        scene = scene_file.scene_or_shaft_or_raise(
+            scene_tables.scene_from_tables(raw, request.scene_origin), request.scene_origin
+        )
+        if isinstance(scene, Assembly) and isinstance(request.stiffness_position, float):
+            scene = replace(scene, stiffness_at=request.stiffness_position)
         return _solve_scene_for_row(scene, request, engine)
     except InputError as error:
         return TableRow(f"refused: {error}")
 
 
-def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, engine: str) -> TableRow:
+def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableRequest, engine: str) -> TableRow:
     """Solve a scene and return a table row with the requested quantities.
 
     ``request``: checked request; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine
     code ("compiled").
     """
     names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
-    result, found = sample.solve_case(scene, request.model, engine, names)
+    result, found = sample.solve_load_case_for_outputs(scene, request.model, engine, names)
     if not result.converged:
         return TableRow(str(result.status))
     matrix, rigidity, status = None, None, CONVERGED
     errors: dict[str, Any] = {"error_words": "no shaft with several nuts or bearings was compared with the 3D reference"}
-    tangent: Tangent | None = None
+    tangent: TangentStiffness | None = None
     if isinstance(scene, Scene) and isinstance(result, StaticResult):
-        errors = _expected_errors(scene, result)
+        errors = _expected_errors_for_row(scene, result)
         if "stiffness" in request.quantities:
-            station = request.station if isinstance(request.station, float) else scene.nut.position
-            tangent = tangent_stiffness_at(scene, station, request.model, Options())
+            station = request.stiffness_position if isinstance(request.stiffness_position, float) else scene.nut.position
+            tangent = tangent_stiffness_at(scene, station, request.model, ModelOptions())
     elif isinstance(result, AxisResult) and "stiffness" in request.quantities:
-        of_set = next((s.stiffness for s in result.sets if s.of.name == request.station), result.stiffness)
+        of_set = next((s.stiffness for s in result.sets if s.of.name == request.stiffness_position), result.stiffness)
         none = "this position cannot move, or no contact there carries load"
         known = of_set is not None and np.isfinite(of_set).any()
-        tangent = Tangent(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
+        tangent = TangentStiffness(0.0, np.full((6, 6), np.nan) if of_set is None else of_set, CONVERGED if known else none)
     if tangent is not None and tangent.status != CONVERGED:
         status = f"no stiffness: {tangent.status}"
     elif tangent is not None:
         matrix = tangent.matrix
         rigidity = tangent.rigidity("uz") if math.isfinite(matrix[2, 2]) else None
-    pressure = max(_largest_pressures_of_rows(scene, result), default=None) if "pressure" in request.quantities else None
+    pressure = (
+        max(_largest_pressure_of_each_bearing(scene, result), default=None) if "pressure" in request.quantities else None
+    )
     moved = found.get("displacement_um")
     life = found.get("life_million_revolutions")
     return TableRow(
@@ -271,7 +277,7 @@ def _solve_scene_for_row(scene: Scene | Assembly, request: SceneTableOptions, en
     )
 
 
-def _largest_pressures_of_rows(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
+def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticResult | AxisResult) -> Iterator[float]:
     """Yield the largest Hertz pressure of each loaded nut or bearing row [Pa]."""
     if isinstance(result, StaticResult):
         sets: list[Any] = [(scene, result, None)]
@@ -279,14 +285,16 @@ def _largest_pressures_of_rows(scene: Scene | Assembly, result: StaticResult | A
         sets = [(s.of.parts, s.balls, s.line_loads) for s in result.sets]
     for parts, balls, lines in sets:
         if balls is not None:
-            worst: Any = rate_contact_loads(parts, balls.load, balls.contact_angle, balls.member, balls.pressure).worst
+            worst: Any = results_of_contact_loads(
+                parts, balls.load, balls.contact_angle, balls.member, balls.pressure
+            ).worst_contact
         else:
             worst = roller_contact_of_highest_pressure(parts, lines)
         if worst is not None:
             yield worst.pressure
 
 
-def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
+def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, Any]:
     """Return the expected errors [%] of a static result by their fields of `TableRow`.
 
     They are estimated from the model's errors on scenes that were compared with the 3D reference.
@@ -302,7 +310,7 @@ def _expected_errors(scene: Scene, result: StaticResult) -> dict[str, Any]:
     }
 
 
-def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str], None]) -> Table:
+def solve_table(request: SceneTableRequest, engine: ComputingSettings, show_progress: Callable[[str], None]) -> Table:
     """Solve all rows of a table.
 
     Parameters
@@ -311,7 +319,7 @@ def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str]
         Checked request.
     engine
         Number of processes, or cluster, that solve the rows.
-    step
+    show_progress
         Function that is called with each line of progress.
 
     Returns
@@ -324,37 +332,37 @@ def solve_table(request: SceneTableOptions, engine: Engine, step: Callable[[str]
     InputError
         If workers of a cluster are lost.
     """
-    raw = scene_file.parse_toml(request.text, request.origin)
-    for path, other in pairs_of_varied_and_replaced_keys(raw, request.keys):
-        step(f"{path} takes the place of the scene's {other}")
-    places = list(product(*(vary.choices for vary in request.keys)))
+    raw = scene_file.parse_toml(request.scene_text, request.scene_origin)
+    for path, other in varied_and_replaced_keys(raw, request.varied_keys):
+        show_progress(f"{path} takes the place of the scene's {other}")
+    places = list(product(*(vary.listed_values for vary in request.varied_keys)))
     kernels = "compiled" if len(places) >= COMPILE_FROM else "auto"
     rows: dict[int, TableRow] = {}
-    for number, row in run_jobs_where_faster(
-        [(solve_row, (request, place, kernels)) for place in places], engine, "places", step
+    for number, row in run_jobs_in_fastest_way(
+        [(solve_table_row, (request, place, kernels)) for place in places], engine, "places", show_progress
     ):
         rows[number] = row
-        step(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
+        show_progress(f"[{len(rows)}/{len(places)}] {', '.join(map(str, places[number])) or 'as it stands'}: {row.status}")
     return table_from_json(_table_as_json(request, [rows[k] for k in range(len(places))]))
 
 
-def _table_as_json(request: SceneTableOptions, rows: Sequence[TableRow]) -> dict[str, Any]:
+def _table_as_json(request: SceneTableRequest, rows: Sequence[TableRow]) -> dict[str, Any]:
     """Return a table as the JSON values that ``rollbench table`` prints; quantities that were not requested have no key.
 
     ``request``: checked request; ``rows``: rows in the order of the combinations of the keys' values.
     """
     names = {name for quantity in request.quantities for name in QUANTITIES[quantity][1]}
     without = {name for _, of in QUANTITIES.values() for name in of} - names
-    places = product(*(x.values for x in request.over))
-    heads = [dict(zip([x.column for x in request.over], place, strict=True)) for place in places]
+    places = product(*(x.values for x in request.key_columns))
+    heads = [dict(zip([x.column for x in request.key_columns], place, strict=True)) for place in places]
     return {
-        "scene": request.scene,
+        "scene": request.scene_name,
         "model": request.model,
-        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in request.over],
+        "over": [{"key": x.key, "column": x.column, "values": list(x.values)} for x in request.key_columns],
         "quantities": list(request.quantities),
         "freedoms": list(FREEDOMS),
-        "stiffness_of": request.stiffness_of,
-        "station_mm": 1e3 * request.station if isinstance(request.station, float) else None,
+        "stiffness_of": request.stiffness_body_text,
+        "station_mm": 1e3 * request.stiffness_position if isinstance(request.stiffness_position, float) else None,
         "converged": sum(row.converged for row in rows),
         "rows": [head | (record_as_json(row, *without) or {}) for head, row in zip(heads, rows, strict=True)],
     }

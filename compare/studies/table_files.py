@@ -16,7 +16,7 @@ from typing import Any, cast
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError, one_line
-from rollbench.compare.files import os_errors_as_input_errors, replace_file, write_csv
+from rollbench.compare.files import raise_input_error_if_not_writable, replace_file, write_csv
 from rollbench.compare.quantities import count_with_noun, quantities_of_record
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow, parameter_values_text, table_from_json
 from rollbench.compare.scenes.scene_file import read_scene_text
@@ -39,7 +39,7 @@ ROSS_DROPS = (
 )
 
 
-def check_format(path: Path) -> None:
+def check_file_format(path: Path) -> None:
     """Raise InputError if the file name has an unknown ending, or one whose Python package is missing."""
     if path.suffix not in FORMATS:
         raise ArgumentError("out", str(path), f"a name ending in {', '.join(FORMATS)}", "choose one of these endings")
@@ -48,7 +48,7 @@ def check_format(path: Path) -> None:
         raise ArgumentError("out", str(path), f"a name ending in .csv or .json, because {reason}", pip_command(package))
 
 
-def write_table(path: Path, table: Table) -> None:
+def write_table_file(path: Path, table: Table) -> None:
     """Write a table to a file in the format that the ending of its name states; raises InputError if that fails."""
     columns = table.columns()
     if path.suffix == ".csv":
@@ -60,10 +60,10 @@ def write_table(path: Path, table: Table) -> None:
         import pyarrow
         import pyarrow.parquet
 
-        with os_errors_as_input_errors(path):
+        with raise_input_error_if_not_writable(path):
             pyarrow.parquet.write_table(pyarrow.table(columns), path)
     else:
-        with os_errors_as_input_errors(path):
+        with raise_input_error_if_not_writable(path):
             _netcdf_dataset(table, columns).to_netcdf(path, engine="scipy")
 
 
@@ -114,12 +114,17 @@ def table_figure(table: Table) -> Figure | None:
             known = [k for k in at if y[k] is not None]
             if known:
                 series.append(
-                    Series(label, [x[k] for k in known], [y[k] for k in known], bars=_error_bars(table, name, known))
+                    Series(
+                        label,
+                        [x[k] for k in known],
+                        [y[k] for k in known],
+                        error_bars=_ends_of_error_bars(table, name, known),
+                    )
                 )
         same = len(series) > 1 and len({tuple(s.y) for s in series}) == 1
         ylabel = f"{one.label} / {one.unit}" + ("\nthe same on all curves" if same else "")
         low, high = (of(v for v in y if v is not None) for of in (min, max))
-        panels.append(Panel("", xlabel, ylabel, series, log="y" if 0.0 < 20.0 * low < high else ""))
+        panels.append(Panel("", xlabel, ylabel, series, log_axes="y" if 0.0 < 20.0 * low < high else ""))
     left = len(table.rows) - table.converged
     caption = f"Model {table.model}." + (
         f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
@@ -127,7 +132,7 @@ def table_figure(table: Table) -> Figure | None:
     return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
 
 
-def _error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
+def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:
     """Return the lower ends, then the upper ends of the error bars of a quantity; None if an expected error is not known.
 
     ``name``: column of the quantity; ``rows``: indices of the table rows.
@@ -140,7 +145,7 @@ def _error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[floa
     return low, high
 
 
-def read_table(path: str) -> Table:
+def read_table_file(path: str) -> Table:
     """Read a table from a JSON file that ``rollbench table`` wrote; InputError for another file."""
     text = read_scene_text(path)
     try:
@@ -150,7 +155,7 @@ def read_table(path: str) -> Table:
         raise InputError(path, "file", "other content", allowed, "write the table by --out FILE.json") from None
 
 
-def ross_text(table: Table) -> str:
+def ross_module_text(table: Table) -> str:
     """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
 
     It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. Raises InputError if no row has
@@ -170,7 +175,7 @@ def ross_text(table: Table) -> str:
         f"It is that of: {table.stiffness_of}.",
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
-        *(f"left out: {line}" for line in _reasons_for_missing_answers(table)),
+        *(f"left out: {line}" for line in _reasons_for_missing_results(table)),
     ]
     return f'''{_comment_lines(head)}
 
@@ -187,7 +192,7 @@ def bearing(n, place, cxx=0.0, **others):
 '''
 
 
-def _reasons_for_missing_answers(table: Table) -> list[str]:
+def _reasons_for_missing_results(table: Table) -> list[str]:
     """Return a line for each reason why rows of a table have no result, with the values of the varied keys there."""
     return [f"{'; '.join(places)}: {reason}" for reason, places in table.failures.items()]
 
@@ -197,7 +202,7 @@ def _comment_lines(lines: Iterable[str]) -> str:
     return "\n".join(f"# {one_line(line, 10_000)}" for line in lines)
 
 
-def modelica_text(table: Table) -> tuple[str, list[str]]:
+def modelica_table_text(table: Table) -> tuple[str, list[str]]:
     """Return a table as the text of a file for Modelica.Blocks.Tables, then sentences on what the file leaves out.
 
     Raises InputError unless the table has one or two varied keys with numbers, and enough rows with a result.
@@ -215,7 +220,7 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
         raise InputError(table.scene, places[0], reason, "a result in each row", advice)
     grid = [np.array(x, dtype=float) for x in axes]
     rows = {name: [column[k] for k in kept] for name, column in table.columns().items()}
-    left = _reasons_for_missing_answers(table)
+    left = _reasons_for_missing_results(table)
     columns: dict[str, Array] = {}
     for name, column in rows.items():
         if name in table.places[0] or any(isinstance(x, str) for x in column):
@@ -234,16 +239,16 @@ def modelica_text(table: Table) -> tuple[str, list[str]]:
     if len(grid) == 1:
         head += [f"column {k}: {name}" for k, name in enumerate((table.over[0].column, *columns), 1)]
         whole = np.column_stack([grid[0][kept], *columns.values()])
-        blocks = [_modelica_block("table", whole[np.argsort(whole[:, 0])])]
+        blocks = [_modelica_matrix_text("table", whole[np.argsort(whole[:, 0])])]
     else:
         order, shape, blocks = [np.argsort(x) for x in grid], [len(x) for x in grid], []
         for name, values in columns.items():
             inner = np.column_stack([grid[0][order[0]], values.reshape(shape)[np.ix_(*order)]])
-            blocks.append(_modelica_block(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
+            blocks.append(_modelica_matrix_text(name, np.vstack([[0.0, *grid[1][order[1]]], inner])))
     return f"#1\n{_comment_lines(head)}\n{''.join(blocks)}", left
 
 
-def _modelica_block(name: str, values: Array) -> str:
+def _modelica_matrix_text(name: str, values: Array) -> str:
     """Return a matrix in the format of a Modelica table file.
 
     ``name``: name of the matrix there; ``values``: the matrix, of any two dimensions.

@@ -15,9 +15,9 @@ from math import degrees, pi
 import numpy as np
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import Refusal
-from rollbench.compare.models.answers import SetAnswers
-from rollbench.compare.models.load_cases import SolvedAxis
+from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.models.answers import NutOrBearingResults
+from rollbench.compare.models.load_cases import ShaftSolution
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.scenes.from_rexs import RIGID, SEAT
 from rollbench.compare.scenes.rexs_model import STIFFNESS, RexsModel, Value, rexs_file_text
@@ -25,7 +25,7 @@ from rollbench.lowfi.rating.contacts import contact_pressures, race_pressures
 from rollbench.lowfi.rating.iso_lives import ReferenceLife
 from rollbench.lowfi.rating.life import is_thrust_bearing
 from rollbench.lowfi.rating.roller_life import is_thrust_bearing_row as is_thrust_row
-from rollbench.lowfi.rollers import slice_middles, tapered_bearing
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
 from rollbench.meshes.one_arc import internal_clearance
@@ -49,16 +49,18 @@ class RexsWriter:
         """Begin the REXS model with gear unit, casing and shaft; ``shaft``: scene of the shaft with its bearings."""
         self.model, self.steels = RexsModel(), dict[Material, int]()
         self.notes: list[str] = []
-        self.unit = self.model.add("gear_unit", shaft.title)
-        self.casing = self.model.add("gear_casing", "casing")
+        self.unit = self.model.add_component("gear_unit", shaft.title)
+        self.casing = self.model.add_component("gear_casing", "casing")
         turns = shaft.motion is not None and shaft.motion.turns == "screw"
-        speed = _to_rpm(shaft.motion.speed) if shaft.motion is not None and turns else None
-        self.shaft = self.model.add("shaft", shaft.name, **_position_attributes(0.0, self.unit), rotational_speed=speed)
+        speed = _revolutions_per_minute(shaft.motion.speed) if shaft.motion is not None and turns else None
+        self.shaft = self.model.add_component(
+            "shaft", shaft.name, **_position_attributes(0.0, self.unit), rotational_speed=speed
+        )
         for part in (self.casing, self.shaft):
             self.model.add_relation("assembly", assembly=self.unit, part=part)
         self.assign_material(self.shaft, shaft.screw.material)
         #: Names of the housings in which an outer ring can slide.
-        self.sliding_housings = {h.name for h in shaft.housings if _is_sliding_housing(h)}
+        self.sliding_housings = {h.name for h in shaft.housings if _is_unloaded_sliding_housing(h)}
         #: For each bearing row: id of the bearing, and for each rolling element the ids of its contacts.
         self.rows: list[tuple[int, list[list[int]]]] = []
 
@@ -66,28 +68,30 @@ class RexsWriter:
         """Assign a material to the REXS component with the id ``part``; a new material is first added to the model."""
         if material not in self.steels:
             constants = {"elastic_modulus": 1e-6 * material.youngs_modulus, "poisson_ratio": material.poissons_ratio}
-            self.steels[material] = self.model.add("material", f"material {len(self.steels) + 1}", **constants)
+            self.steels[material] = self.model.add_component("material", f"material {len(self.steels) + 1}", **constants)
         self.model.add_relation("reference", origin=part, referenced=self.steels[material])
 
-    def add_part(self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None) -> int:
+    def add_component_as_part(
+        self, whole: int, type: str, name: str = "", order: int | None = None, **attributes: Value | None
+    ) -> int:
         """Add a component to the REXS model as a part of another component, and return its id.
 
         ``whole``: id of the other component; ``type`` and ``name``: REXS type and name of the new one; ``order``: its
         number among the parts of the other component, None without numbers; ``attributes``: its REXS attributes in their
         REXS units.
         """
-        k = self.model.add(type, name, **attributes)
+        k = self.model.add_component(type, name, **attributes)
         self.model.add_relation("assembly" if order is None else "ordered_assembly", order, assembly=whole, part=k)
         return k
 
 
-def _is_sliding_housing(housing: Housing) -> bool:
+def _is_unloaded_sliding_housing(housing: Housing) -> bool:
     """Return whether a housing is fixed except along the shaft, and carries no load."""
     held = housing.fixed == tuple((name, 0.0) for name in SEAT)
     return held and housing.stiffness is None and not any((*housing.force, *housing.moment))
 
 
-def _to_rpm(speed: float) -> float:
+def _revolutions_per_minute(speed: float) -> float:
     """Return a speed [rad/s] in revolutions per minute."""
     return speed * 30.0 / pi
 
@@ -101,7 +105,7 @@ def _position_attributes(z: float, gear_unit: int) -> dict[str, Value]:
     return vectors | {"w_axis_vector": (0.0, 0.0, 1.0), "reference_component_for_position": gear_unit}
 
 
-def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> tuple[str, list[str]]:
+def rexs_file_with_results(described: Assembly | DutyCycle, solved: Sequence[ShaftSolution]) -> tuple[str, list[str]]:
     """Return the text of a REXS file with a shaft, its bearings and the results.
 
     Parameters
@@ -124,7 +128,7 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
     shaft = described.parts if isinstance(described, DutyCycle) else described
     assert isinstance(shaft, Assembly)
     writer = RexsWriter(shaft)
-    _write_sections(writer, shaft)
+    _write_shaft_sections(writer, shaft)
     for row in shaft.sets:
         if not (isinstance(row.parts, Scene) and row.parts.track.lead):
             writer.rows.append(
@@ -147,12 +151,12 @@ def rexs_text(described: Assembly | DutyCycle, solved: Sequence[SolvedAxis]) -> 
         case |= _attributes_of_load_case_results(
             writer, one, None if not isinstance(described, DutyCycle) else described.cases[k].speed
         )
-        writer.model.cases.append(case)
-    _note_left_out(writer, shaft)
+        writer.model.load_cases.append(case)
+    _note_omitted_features(writer, shaft)
     return rexs_file_text(writer.model, __version__, datetime.now(UTC).isoformat(timespec="seconds")), writer.notes
 
 
-def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
+def _write_shaft_sections(writer: RexsWriter, shaft: Assembly) -> None:
     """Add the cylinders of the shaft to the REXS model.
 
     The thread, and gaps between plain cylinders, become cylinders with the outer diameter of the screw.
@@ -164,7 +168,7 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
     rest = [(a, b, screw.outer_diameter, screw.bore) for a, b in gaps if b - a > 1e-9]
     for start, end, diameter, bore in sorted([*plain, *rest]):
         outer, inner, at = 1e3 * diameter, 1e3 * bore, 1e3 * start
-        writer.add_part(
+        writer.add_component_as_part(
             writer.shaft,
             "shaft_section",
             u_coordinate_on_shaft=at,
@@ -178,15 +182,15 @@ def _write_sections(writer: RexsWriter, shaft: Assembly) -> None:
         writer.notes.append("the thread is written as a cylinder of its outer diameter")
 
 
-def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes: Value | None) -> int:
+def _write_single_row_bearing(writer: RexsWriter, row: RollingSet, bearing_type: str, **attributes: Value | None) -> int:
     """Add a single-row bearing between shaft and casing to the REXS model, and return its id.
 
-    ``row``: row of the shaft scene; ``kind``: REXS type of the bearing; ``attributes``: further REXS attributes in their
-    REXS units.
+    ``row``: row of the shaft scene; ``bearing_type``: REXS type of the bearing; ``attributes``: further REXS attributes in
+    their REXS units.
     """
     at, shift = 1e3 * row.position, 1e6 * row.offset * (-1.0 if row.thrust == "+z" else 1.0)
     common: dict[str, Value | None] = {
-        "bearing_type": kind,
+        "bearing_type": bearing_type,
         "number_of_bearing_rows": 1,
         "axial_force_absorption": "no_direction" if row.housing in writer.sliding_housings else TAKES[row.thrust],
         "radial_force_absorption": True,
@@ -196,76 +200,92 @@ def _write_bearing(writer: RexsWriter, row: RollingSet, kind: str, **attributes:
         "preload_force": row.preload or None,
     }
     where = _position_attributes(row.position, writer.unit)
-    bearing = writer.model.add("rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where)
+    bearing = writer.model.add_component(
+        "rolling_bearing_with_detailed_geometry", row.name, **common, **attributes, **where
+    )
     writer.model.add_relation("side", assembly=bearing, inner_part=writer.shaft, outer_part=writer.casing)
     return bearing
 
 
-def _write_elements(
-    writer: RexsWriter, row: int, azimuths: Iterable[float], kinds: Sequence[str], material: Material, **size: Value | None
+def _write_rolling_elements(
+    writer: RexsWriter,
+    row_id: int,
+    azimuths: Iterable[float],
+    contact_types: Sequence[str],
+    material: Material,
+    **size: Value | None,
 ) -> list[list[int]]:
     """Add balls or rollers of a bearing row and their contacts to the REXS model; return the contact ids of each element.
 
-    ``row``: id of the bearing row; ``azimuths``: azimuths of the elements [rad]; ``kinds``: REXS types of the contacts of
-    an element; ``material``: material of the elements; ``size``: REXS attributes of an element's size in mm and degrees.
+    ``row_id``: id of the bearing row; ``azimuths``: azimuths of the elements [rad]; ``contact_types``: REXS types of the
+    contacts of an element; ``material``: material of the elements; ``size``: REXS attributes of an element's size in mm and
+    degrees.
     """
     found = []
     for k, azimuth in enumerate(azimuths, 1):
         at: dict[str, Value] = {"angular_position_around_u": degrees(azimuth)}
-        one = writer.add_part(row, "rolling_element", str(k), k, **size, **at)
+        one = writer.add_component_as_part(row_id, "rolling_element", str(k), k, **size, **at)
         writer.assign_material(one, material)
         contact = "rolling_element_contact"
-        found.append([writer.add_part(one, contact, rolling_element_contact_type=kind) for kind in kinds])
+        found.append(
+            [writer.add_component_as_part(one, contact, rolling_element_contact_type=kind) for kind in contact_types]
+        )
     return found
 
 
-def _write_ball_bearing(writer: RexsWriter, row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
+def _write_ball_bearing(writer: RexsWriter, placed_row: RollingSet, parts: Scene) -> tuple[int, list[list[int]]]:
     """Add a ball bearing to the REXS model; return its id, then for each ball the ids of its contacts.
 
-    ``row``: row of the shaft with its position; ``parts``: rings and balls of this row.
+    ``placed_row``: row of the shaft with its position; ``parts``: rings and balls of this row.
     """
     nut, pitch, found = parts.nut, 2e3 * parts.track.pitch_radius, internal_clearance(parts)
     thrust = "axial_" if is_thrust_bearing(parts) else ""
     kind = {"deep groove": "radial_grooved_ball_bearing", "both": f"{thrust}four_point_contact_ball_bearing"}
     size: dict[str, Value | None] = {"width": 1e3 * nut.length, "outer_diameter": 1e3 * nut.outer_diameter}
-    if row.thrust == "deep groove" and found is not None:
+    if placed_row.thrust == "deep groove" and found is not None:
         size["operating_radial_bearing_clearance"] = 1e6 * found.radial
-    bearing = _write_bearing(writer, row, kind.get(row.thrust, f"{thrust}angular_contact_ball_bearing"), **size)
+    bearing = _write_single_row_bearing(
+        writer, placed_row, kind.get(placed_row.thrust, f"{thrust}angular_contact_ball_bearing"), **size
+    )
     for ring, outer, material in (
         ("inner_ring", parts.screw.outer_diameter, parts.screw.material),
         ("outer_ring", nut.outer_diameter, nut.material),
     ):
-        one = writer.add_part(bearing, "bearing_ring", ring, bearing_ring_type=ring, outer_diameter=1e3 * outer)
+        one = writer.add_component_as_part(
+            bearing, "bearing_ring", ring, bearing_ring_type=ring, outer_diameter=1e3 * outer
+        )
         writer.assign_material(one, material)
     of_row: dict[str, Value | None] = {
         "number_of_rolling_elements": parts.ball_count,
-        "axial_force_absorption_of_row": TAKES[row.thrust],
+        "axial_force_absorption_of_row": TAKES[placed_row.thrust],
         "pressure_angle": degrees(parts.track.contact_angle),
         "reference_diameter": pitch,
         "raceway_radius_of_inner_ring": 1e3 * parts.screw.groove_radius,
         "raceway_radius_of_outer_ring": 1e3 * nut.groove_radius,
     }
-    k, balls = writer.add_part(bearing, "rolling_bearing_row", row.name, 1, **of_row), parts.balls
-    sides = ("left_", "right_") if row.thrust == "both" else ("",)
+    k, balls = writer.add_component_as_part(bearing, "rolling_bearing_row", placed_row.name, 1, **of_row), parts.balls
+    sides = ("left_", "right_") if placed_row.thrust == "both" else ("",)
     kinds = [f"{side}{race}_raceway_contact" for race in ("inner", "outer") for side in sides]
     diameter = 2e3 * balls.radius
-    return bearing, _write_elements(writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter)
+    return bearing, _write_rolling_elements(
+        writer, k, balls.azimuths, kinds, balls.material, diameter_of_rolling_element=diameter
+    )
 
 
-def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
+def _write_roller_bearing(writer: RexsWriter, placed_row: RollingSet, parts: RollerRow) -> tuple[int, list[list[int]]]:
     """Add a tapered roller bearing to the REXS model; return its id, then for each roller the ids of its contacts.
 
-    ``row``: row of the shaft with its position; ``parts``: rings and rollers of this row.
+    ``placed_row``: row of the shaft with its position; ``parts``: rings and rollers of this row.
     """
     kind = f"{'axial' if is_thrust_row(parts) else 'radial'}_tapered_roller_bearing"
-    bearing = _write_bearing(writer, row, kind)
+    bearing = _write_single_row_bearing(writer, placed_row, kind)
     of_row: dict[str, Value | None] = {
         "number_of_rolling_elements": parts.count,
-        "axial_force_absorption_of_row": TAKES[row.thrust],
+        "axial_force_absorption_of_row": TAKES[placed_row.thrust],
         "pressure_angle": degrees(parts.cup_angle),
-        "reference_diameter": 1e3 * tapered_bearing(parts).pitch_diameter,
+        "reference_diameter": 1e3 * tapered_bearing_of_row(parts).pitch_diameter,
     }
-    k = writer.add_part(bearing, "rolling_bearing_row", row.name, 1, **of_row)
+    k = writer.add_component_as_part(bearing, "rolling_bearing_row", placed_row.name, 1, **of_row)
     crown = None if np.isinf(parts.crown) else 1e3 * parts.crown
     size: dict[str, Value | None] = {
         "diameter_of_rolling_element": 1e3 * parts.diameter,
@@ -275,8 +295,8 @@ def _write_roller_bearing(writer: RexsWriter, row: RollingSet, parts: RollerRow)
     }
     azimuths = [parts.phase + 2.0 * pi * j / parts.count for j in range(parts.count)]
     kinds = ("inner_raceway_contact", "outer_raceway_contact")
-    writer.notes.append(f"{row.name}: the depth of the rings, {1e3 * parts.depth:g} mm, and what describes the rib")
-    return bearing, _write_elements(writer, k, azimuths, kinds, parts.material, **size)
+    writer.notes.append(f"{placed_row.name}: the depth of the rings, {1e3 * parts.depth:g} mm, and what describes the rib")
+    return bearing, _write_rolling_elements(writer, k, azimuths, kinds, parts.material, **size)
 
 
 def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
@@ -294,16 +314,16 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
                 f"REXS has no component for a support at {1e3 * s.at:g} mm that fixes {', '.join(n for n, _ in s.fixed)}"
             )
             advice = "fix ux together with uy, rx together with ry, all at zero, or model the support by bearings"
-            raise Refusal(shaft.name, "supports", reason, advice)
+            raise SceneNotCoveredError(shaft.name, "supports", reason, advice)
         if fixed - {"rz"}:
             axial = "both_directions" if "uz" in fixed else "no_direction"
             at: dict[str, Value] = {"u_coordinate_on_shaft_inner_side": 1e3 * s.at, "axial_force_absorption": axial}
             at |= {"bending_stiffness": RIGID} if tilt else {}
-            k = writer.model.add("concept_bearing", "support", radial_force_absorption=bool(across), **at)
+            k = writer.model.add_component("concept_bearing", "support", radial_force_absorption=bool(across), **at)
             writer.model.add_relation("side", assembly=k, inner_part=writer.shaft, outer_part=writer.casing)
 
 
-def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxis]) -> list[CaseAttributes]:
+def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolution]) -> list[CaseAttributes]:
     """Add the external loads on the shaft and the loads by ball nuts to the REXS model; return their values per load case.
 
     ``solved``: solution of each load case. With a single load case the components themselves get these attributes, too.
@@ -321,7 +341,7 @@ def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[SolvedAxi
         acting.append(found)
     ids = {}
     for name, at in names:
-        ids[name, at] = writer.add_part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
+        ids[name, at] = writer.add_component_as_part(writer.shaft, "external_load", name, u_coordinate_on_shaft=1e3 * at)
     cases = [{ids[x]: _wrench_attributes(found.get(x, np.zeros(6))) for x in names} for found in acting]
     if len(solved) == 1:
         for k, attributes in cases[0].items():
@@ -344,22 +364,23 @@ def _wrench_attributes(load: np.ndarray) -> dict[str, Value]:
     return {**force, **moment}
 
 
-def _attributes_of_load_case_results(writer: RexsWriter, one: SolvedAxis, speed: float | None) -> CaseAttributes:
+def _attributes_of_load_case_results(writer: RexsWriter, solution: ShaftSolution, speed: float | None) -> CaseAttributes:
     """Return the results of one load case as REXS attributes of shaft, bearings and contacts, by id of the component.
 
-    ``one``: solution of the load case; ``speed``: speed of the shaft in the load case [rad/s], None for that of the scene.
+    ``solution``: solution of the load case; ``speed``: speed of the shaft in the load case [rad/s], None for that of the
+    scene.
     """
-    result, motion = one.result, one.scene.motion
-    assert one.answers is not None
+    result, motion = solution.result, solution.scene.motion
+    assert solution.derived_results is not None
     place: dict[str, Value] = {"u_coordinates_of_beam_nodes": tuple(1e3 * result.centreline_z)}
     moved = {f"displacement_{axis}_of_nodes": tuple(1e6 * result.centreline[:, i]) for i, axis in enumerate("vwu")}
     case: CaseAttributes = {writer.shaft: {**place, **moved}}
     if speed is not None:
-        case[writer.shaft]["rotational_speed"] = _to_rpm(speed)
+        case[writer.shaft]["rotational_speed"] = _revolutions_per_minute(speed)
     turning = speed if speed is not None else None if motion is None else motion.speed
     bearings = [
         pair
-        for pair in zip(result.sets, one.answers.sets, strict=True)
+        for pair in zip(result.sets, solution.derived_results.set_results, strict=True)
         if not (isinstance(pair[0].of.parts, Scene) and pair[0].of.parts.track.lead)
     ]
     for (bearing, contacts), (s, answers) in zip(writer.rows, bearings, strict=True):
@@ -372,7 +393,9 @@ def _attributes_of_load_case_results(writer: RexsWriter, one: SolvedAxis, speed:
     return case
 
 
-def _bearing_results(result: AxisResult, bearing: SetResult, answers: SetAnswers, speed: float | None) -> dict[str, Value]:
+def _bearing_results(
+    result: AxisResult, bearing: SetResult, answers: NutOrBearingResults, speed: float | None
+) -> dict[str, Value]:
     """Return forces, deflections, stiffness, ratings and life of one bearing as REXS attributes.
 
     ``result``: solution of the shaft; ``bearing``: the bearing's part of it; ``answers``: ratings, pressures and life of
@@ -395,11 +418,14 @@ def _bearing_results(result: AxisResult, bearing: SetResult, answers: SetAnswers
     found |= {
         name: float(stiffness[i, j]) / si for (i, j), (name, _, si) in STIFFNESS.items() if np.isfinite(stiffness[i, j])
     }
-    loads = answers.loads
-    if loads.worst is not None and loads.safety is not None:
-        found |= {"maximum_hertzian_pressure": 1e-6 * loads.worst.pressure, "static_load_safety": loads.safety.factor}
+    loads = answers.load_results
+    if loads.worst_contact is not None and loads.safety is not None:
+        found |= {
+            "maximum_hertzian_pressure": 1e-6 * loads.worst_contact.pressure,
+            "static_load_safety": loads.safety.factor,
+        }
     if loads.ratings is not None:
-        way = "axial" if loads.ratings.axial else "radial"
+        way = "axial" if loads.ratings.is_axial else "radial"
         found[f"{way}_dynamic_load_rating"] = 1e-3 * loads.ratings.dynamic
         found[f"{way}_static_load_rating"] = 1e-3 * loads.ratings.static
     return found | _life_attributes(loads.reference, speed)
@@ -419,18 +445,18 @@ def _life_attributes(life: ReferenceLife | None, speed: float | None) -> dict[st
     return found | {"dynamic_equivalent_reference_bearing_load_iso_16281_2008": life.equivalent}
 
 
-def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttributes:
+def _ball_contact_results(contact_ids: list[list[int]], bearing_result: SetResult) -> CaseAttributes:
     """Return force, contact angle and pressure of each ball contact as REXS attributes.
 
-    ``contacts``: for each ball the ids of its contacts; ``s``: solution of the bearing. A groove of a single arc has one
-    contact in REXS but two flanks in the scene: the flank with the larger load is taken.
+    ``contact_ids``: for each ball the ids of its contacts; ``bearing_result``: solution of the bearing. A groove of a
+    single arc has one contact in REXS but two flanks in the scene: the flank with the larger load is taken.
     """
-    assert s.balls is not None
-    assert isinstance(s.of.parts, Scene)
-    load, angle = s.balls.load, np.degrees(s.balls.contact_angle)
-    pressure = contact_pressures(s.of.parts, s.balls)
+    assert bearing_result.balls is not None
+    assert isinstance(bearing_result.of.parts, Scene)
+    load, angle = bearing_result.balls.load, np.degrees(bearing_result.balls.contact_angle)
+    pressure = contact_pressures(bearing_result.of.parts, bearing_result.balls)
     case: CaseAttributes = {}
-    for i, ids in enumerate(contacts):
+    for i, ids in enumerate(contact_ids):
         flanks = [(2 * k, 2 * k + 1) for k in range(2)] if len(ids) == 2 else [(k,) for k in range(4)]
         for k, of in zip(ids, flanks, strict=True):
             j = max(of, key=lambda flank: load[i, flank])
@@ -443,28 +469,31 @@ def _ball_contact_results(contacts: list[list[int]], s: SetResult) -> CaseAttrib
     return case
 
 
-def _roller_contact_results(contacts: list[list[int]], s: SetResult, row: RollerRow) -> CaseAttributes:
+def _roller_contact_results(
+    contact_ids: list[list[int]], bearing_result: SetResult, roller_row: RollerRow
+) -> CaseAttributes:
     """Return force, lamina (slice) loads and largest pressure of each roller contact as REXS attributes.
 
-    ``contacts``: for each roller the ids of its contacts; ``s``: solution of the bearing; ``row``: its rollers.
+    ``contact_ids``: for each roller the ids of its contacts; ``bearing_result``: solution of the bearing; ``roller_row``:
+    its rollers.
     """
-    assert s.line_loads is not None
-    assert s.roller_load is not None
-    places = tuple(1e3 * slice_middles(row.length, row.slices))
-    pressure, width = 1e-6 * race_pressures(row, s.line_loads), row.length / row.slices
+    assert bearing_result.line_loads is not None
+    assert bearing_result.roller_load is not None
+    places = tuple(1e3 * slice_middles(roller_row.length, roller_row.slices))
+    pressure, width = 1e-6 * race_pressures(roller_row, bearing_result.line_loads), roller_row.length / roller_row.slices
     return {
         k: {
-            "rolling_element_force": 1e-3 * float(s.roller_load[i]),
+            "rolling_element_force": 1e-3 * float(bearing_result.roller_load[i]),
             "rolling_element_coordinate": places,
-            "rolling_element_lamina_load": tuple(width * s.line_loads[i]),
+            "rolling_element_lamina_load": tuple(width * bearing_result.line_loads[i]),
             "maximum_hertzian_pressure": float(pressure[i, race]),
         }
-        for i, ids in enumerate(contacts)
+        for i, ids in enumerate(contact_ids)
         for race, k in enumerate(ids)
     }
 
 
-def _note_left_out(writer: RexsWriter, shaft: Assembly) -> None:
+def _note_omitted_features(writer: RexsWriter, shaft: Assembly) -> None:
     """Add sentences to the notes of ``writer`` on what the REXS file does not describe of the scene ``shaft``."""
     moving = [h.name for h in shaft.housings if not h.is_fixed and h.name not in writer.sliding_housings]
     if moving:

@@ -34,32 +34,32 @@ class CommandOutput:
     """
 
     data: Any = None
-    parts: Iterable[Any] = ()
-    code: int = 0
-    folded: bool = False
+    texts_and_tables: Iterable[Any] = ()
+    exit_code: int = 0
+    wrap_always: bool = False
 
 
 def print_command_output(answer: CommandOutput, as_json: bool = False) -> int:
     """Print the output of a command on standard output, and return its exit code.
 
     ``answer``: the output; ``as_json``: whether its data are printed as JSON, instead of its texts and tables. Raises
-    OutputLost if standard output cannot be written.
+    StandardOutputError if standard output cannot be written.
     """
     clear_progress_line()
     if as_json:
         print_json(answer.data() if callable(answer.data) else answer.data)
     else:
-        _print_parts(answer.parts, folded=answer.folded)
-    return answer.code
+        _print_parts(answer.texts_and_tables, folded=answer.wrap_always)
+    return answer.exit_code
 
 
-class OutputLost(Exception):
+class StandardOutputError(Exception):
     """Error for a standard output that cannot be written, because the disc is full or the output is closed."""
 
 
 @contextmanager
 def guard_standard_output() -> Iterator[None]:
-    """Raise OutputLost if the ``with`` block cannot write to standard output.
+    """Raise StandardOutputError if the ``with`` block cannot write to standard output.
 
     A pipe whose reader has ended still raises BrokenPipeError.
     """
@@ -68,13 +68,13 @@ def guard_standard_output() -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise OutputLost(error.strerror or str(error)) from error
+        raise StandardOutputError(error.strerror or str(error)) from error
 
 
 def print_json(value: Any) -> None:
     """Print one JSON value on standard output, with an indent of two.
 
-    Raises ValueError for a number that is not finite, OutputLost if standard output cannot be written.
+    Raises ValueError for a number that is not finite, StandardOutputError if standard output cannot be written.
     """
     text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     with guard_standard_output():

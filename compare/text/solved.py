@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.load_cases import CycleResults, Solved, SolvedAxis
+from rollbench.compare.models.load_cases import DutyCycleResults, SceneSolution, ShaftSolution
 from rollbench.compare.models.programs import model_title
 from rollbench.compare.models.registry import has_random_errors
 from rollbench.compare.quantities import count_with_noun, format_by_error, quantities_of_record, record_as_json
@@ -17,11 +17,11 @@ from rollbench.compare.results.base import format_table_as_text
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.compare.results.rows import bearing_and_nut_rows, duty_cycle_rows, expected_error_sentence, solution_rows
 from rollbench.compare.results.scene_json import (
-    ball_rows_of_axis,
+    ball_rows_of_shaft_json,
     beam_discretisation_percent,
     duty_cycle_json,
     flank_loads_json,
-    roller_rows,
+    roller_rows_json,
 )
 from rollbench.compare.results.side_by_side import NUMBERS, Alternative, SideBySide
 from rollbench.compare.results.table import ERROR_OF, Table, TableRow
@@ -38,7 +38,7 @@ from rollbench.compare.text.printing import (
 from rollbench.lowfi.rating.contacts import RACES
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, SolverReport, motion_in_um_and_mrad
-from rollbench.lowfi.statics.tangent import Tangent
+from rollbench.lowfi.statics.tangent import TangentStiffness
 from rollbench.lowfi.warned import join_brief_warnings
 from rollbench.meshes.parts import FREEDOMS, SIDES
 
@@ -63,7 +63,7 @@ ROUND_OFF = 1e-9
 
 
 def solved_case_parts(
-    one: Solved | SolvedAxis, *, balls: bool = False, details: bool = False, stiffness: bool = False
+    solved_scene: SceneSolution | ShaftSolution, *, balls: bool = False, details: bool = False, stiffness: bool = False
 ) -> list[Any]:
     """Return the texts and tables that the terminal shows for a solved scene.
 
@@ -71,27 +71,35 @@ def solved_case_parts(
     also further quantities, force balance, solver, assumptions and neglected effects; they are always shown if the scene
     has no equilibrium. ``stiffness``: also the stiffness of a shaft with several nuts or bearings.
     """
-    result, title = one.result, []
+    result, title = solved_scene.result, []
     above_all, measured = join_brief_warnings(result.warnings), ""
     behind = (
-        [] if result.equilibrium is None else _force_balance_lines(result.equilibrium, several=isinstance(one, SolvedAxis))
+        []
+        if result.equilibrium is None
+        else _force_balance_lines(result.equilibrium, several=isinstance(solved_scene, ShaftSolution))
     )
-    details = details or one.answers is None
-    if isinstance(one, SolvedAxis):
-        drawn, title = f", {count_with_noun(len(one.scene.sets), 'set')}", [one.scene.title]
-        tables = _set_tables(one, balls=balls, stiffness=details or stiffness)
+    details = details or solved_scene.derived_results is None
+    if isinstance(solved_scene, ShaftSolution):
+        drawn, title = f", {count_with_noun(len(solved_scene.scene.sets), 'set')}", [solved_scene.scene.title]
+        tables = _nut_bearing_and_housing_tables(solved_scene, balls=balls, stiffness=details or stiffness)
     else:
-        drawn = f", specimen {result.member} of its random errors" if has_random_errors(one.scene) else ""
-        tables = _ball_tables(one) if balls and (one.result.load > 0.0).any() else []
-        grid = beam_discretisation_percent(one.scene, one.result)
+        drawn = f", specimen {result.member} of its random errors" if has_random_errors(solved_scene.scene) else ""
+        tables = _ball_and_flank_tables(solved_scene) if balls and (solved_scene.result.load > 0.0).any() else []
+        grid = beam_discretisation_percent(solved_scene.scene, solved_scene.result)
         measured = "" if grid is None else f" (discretisation error {grid:.1e} % of the mean load)"
-    answers = solution_rows(one, details=details)
+    answers = solution_rows(solved_scene, details=details)
     if answers:
-        tables = ["", format_table_as_text(answers, text_width()), "", *tables, expected_error_sentence(one.expected)]
+        tables = [
+            "",
+            format_table_as_text(answers, text_width()),
+            "",
+            *tables,
+            expected_error_sentence(solved_scene.expected_errors),
+        ]
     behind += solver_lines(result.solver, measured)
     notes = [f"note: {line}" for line in result.solver.notes]
     return [
-        f"{one.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
+        f"{solved_scene.scene.name}{drawn}, model {model_title(result.model)}: {result.status}",
         *title,
         *([above_all] if above_all else []),
         *tables,
@@ -169,30 +177,35 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     ]
 
 
-def side_by_side_parts(found: SideBySide) -> list[Any]:
+def side_by_side_parts(side_by_side: SideBySide) -> list[Any]:
     """Return the texts and the table that the terminal shows for scenes side by side.
 
     The table has a column for each scene, with the difference from the first scene in per cent.
     """
     rows, of = [], quantities_of_record(Alternative)
-    answers = [record_as_json(one) or {} for one in found.scenes]
+    answers = [record_as_json(one) or {} for one in side_by_side.scenes]
     for key in (k for k in NUMBERS if any(a[k] is not None for a in answers)):
-        off = found.difference_percent(key)
+        off = side_by_side.difference_percent(key)
         cells = [
             _number_or_range_text(a[key]) + ("" if k == 0 or x is None else f"  {x:+.1f} %")
             for k, (a, x) in enumerate(zip(answers, off, strict=True))
         ]
         rows.append([f"{of[key].label} [{of[key].unit}]" if of[key].unit else of[key].label, *cells])
-    if any(one.shortest for one in found.scenes):
-        rows.append(["set with the shortest life", *(one.shortest or "–" for one in found.scenes)])
-    warned = [(one.scene, join_brief_warnings(one.warnings)) for one in found.scenes]
+    if any(one.shortest for one in side_by_side.scenes):
+        rows.append(["set with the shortest life", *(one.shortest or "–" for one in side_by_side.scenes)])
+    warned = [(one.scene, join_brief_warnings(one.warnings)) for one in side_by_side.scenes]
     unknown = [f"{of[key].label} [{of[key].unit}]" for key in NUMBERS if all(a[key] is None for a in answers)]
     return [
         *(f"{name}: {line}" for name, line in warned if line),
-        *(f"{one.scene}: {one.status}" for one in found.scenes if one.status != "converged"),
-        ruled_table(f"model {found.model}: scenes side by side", ["", *(one.scene for one in found.scenes)], rows, [""]),
-        f"not the same in all scenes: {', '.join(found.differ)}"
-        if found.differ
+        *(f"{one.scene}: {one.status}" for one in side_by_side.scenes if one.status != "converged"),
+        ruled_table(
+            f"model {side_by_side.model}: scenes side by side",
+            ["", *(one.scene for one in side_by_side.scenes)],
+            rows,
+            [""],
+        ),
+        f"not the same in all scenes: {', '.join(side_by_side.differ)}"
+        if side_by_side.differ
         else "shaft, loads and operation are the same in all scenes",
         *([f"not computed: {', '.join(unknown)}; rollbench solve SCENE shows why"] if unknown else []),
         "per cent: difference from the first scene; rollbench solve SCENE shows all results",
@@ -230,14 +243,16 @@ def _force_balance_lines(equilibrium: Equilibrium, *, several: bool) -> list[str
     return lines
 
 
-def _ball_tables(one: Solved) -> list[RenderableType]:
+def _ball_and_flank_tables(solved_scene: SceneSolution) -> list[RenderableType]:
     """Return a table with loads and angles of every ball, and one with largest and smallest load of each groove flank.
 
     Loads are rounded to the digits that their expected error justifies.
     """
-    result = one.result
-    percent = None if one.expected is None else one.expected.percent
-    error = None if percent is None else mean_load(result.load, nominal_contacts(one.scene, result)) * percent / 100.0
+    result = solved_scene.result
+    percent = None if solved_scene.expected_errors is None else solved_scene.expected_errors.percent
+    error = (
+        None if percent is None else mean_load(result.load, nominal_contacts(solved_scene.scene, result)) * percent / 100.0
+    )
     sides = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     headings, rows = ["ball", "deg", "z mm", *(x for k in sides for x in (f"{SIDES[k]} N", "angle"))], []
     for i in range(result.z.size):
@@ -254,7 +269,7 @@ def _ball_tables(one: Solved) -> list[RenderableType]:
     return [plain_table(headings, rows), "", summed, ""]
 
 
-def tangent_stiffness_parts(tangent: Tangent) -> list[RenderableType]:
+def tangent_stiffness_parts(tangent: TangentStiffness) -> list[RenderableType]:
     """Return the text and the table that show the 6 x 6 stiffness at a cross-section of the screw, in N, m and rad.
 
     ``tangent``: the stiffness, with its axial position; without a solution, the text states the reason.
@@ -269,12 +284,12 @@ def tangent_stiffness_parts(tangent: Tangent) -> list[RenderableType]:
     return ["", head, plain_table(("", *FREEDOMS), rows)]
 
 
-def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
+def _nut_bearing_and_housing_tables(solved_scene: ShaftSolution, *, balls: bool, stiffness: bool) -> list[Any]:
     """Return the tables and lines in which the terminal shows the nuts, bearings and housings of a shaft.
 
     ``balls``: also the tables of balls and rollers. ``stiffness``: also the stiffness of the shaft.
     """
-    result, rows = one.result, bearing_and_nut_rows(one)
+    result, rows = solved_scene.result, bearing_and_nut_rows(solved_scene)
     if not rows:
         return []
     out: list[Any] = [plain_table([*rows[0]], [[*row.values()] for row in rows], ["set"], blanks_between_columns=2), ""]
@@ -294,7 +309,7 @@ def _set_tables(one: SolvedAxis, *, balls: bool, stiffness: bool) -> list[Any]:
 def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
     """Return the table of all balls, with loads and angles on the loaded groove flanks, and the table of all rollers."""
     out: list[RenderableType] = []
-    rows = ball_rows_of_axis(result)
+    rows = ball_rows_of_shaft_json(result)
     loaded = [s for s in SIDES if any((r["load_N"][s] or 0.0) > 0.0 for r in rows)]
     if loaded:
         columns: list[Column] = [("set", "set", "s"), ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f")]
@@ -305,7 +320,7 @@ def _ball_and_roller_tables(result: AxisResult) -> list[RenderableType]:
             for r in rows
         ]
         out.append(selected_columns_table("balls", columns, flat))
-    found = roller_rows(result)
+    found = roller_rows_json(result)
     if found:
         names = (("set", "set", "s"), ("index", "roller", "s"), ("azimuth_deg", "azimuth deg", ".2f"))
         loads = (("load_N", "load N", ".3f"), ("largest_line_load_N_mm", "largest N/mm", ".3f"))
@@ -345,9 +360,9 @@ COLUMNS = (
 
 def duty_cycle_parts(
     cycle: DutyCycle,
-    solved: Sequence[Solved | SolvedAxis],
-    cycle_results: CycleResults,
-    tangents: Sequence[Tangent | None] = (),
+    solved: Sequence[SceneSolution | ShaftSolution],
+    cycle_results: DutyCycleResults,
+    tangents: Sequence[TangentStiffness | None] = (),
     *,
     balls: bool = False,
     details: bool = False,
@@ -400,12 +415,16 @@ def load_case_rows(cases: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 REASONS = 5
 
 
-def parameter_table_parts(found: Table) -> list[Any]:
+def parameter_table_parts(table: Table) -> list[Any]:
     """Return the texts and tables in which the terminal shows results over values of scene parameters.
 
     These are the table of quantities with their expected errors, then lines on the combinations of values without results.
     """
-    return [*split_to_width(table_of_records(_parameter_table_rows(found)), text_width()), "", *_summary_lines(found)]
+    return [
+        *split_to_width(table_of_records(_parameter_table_rows(table)), text_width()),
+        "",
+        *_parameter_table_summary_lines(table),
+    ]
 
 
 def _parameter_table_rows(found: Table) -> list[dict[str, Any]]:
@@ -430,7 +449,7 @@ def _round_percent(percent: float | None) -> float | None:
     return None if percent is None else float(f"{percent:.2g}")
 
 
-def _summary_lines(found: Table) -> Iterator[str]:
+def _parameter_table_summary_lines(found: Table) -> Iterator[str]:
     """Yield lines on how many combinations of parameter values have results, on failures, and on errors not known.
 
     ``found``: results over values of scene parameters.
@@ -439,11 +458,11 @@ def _summary_lines(found: Table) -> Iterator[str]:
     further = "; ±: error to expect" if any(row.load_error is not None for row in found.rows) else ""
     further += "; --json and --out have the 6 x 6 stiffness" if matrix else ""
     yield f"{found.converged} of {len(found.rows)} rows have results{further}"
-    yield from failure_lines(found)
+    yield from missing_result_lines(found)
     yield from dict.fromkeys(f"expected error not known: {row.error_words}" for row in found.rows if row.error_words)
 
 
-def failure_lines(found: Table) -> Iterator[str]:
+def missing_result_lines(found: Table) -> Iterator[str]:
     """Yield a line for each of the first five reasons for missing results, with the parameter values concerned.
 
     ``found``: results over values of scene parameters.

@@ -33,13 +33,13 @@ from skfem import Mesh
 
 from rollbench.hifi.bodies.patch import CondensedPatch, PatchMesh, mean_normal_displacement_matrix
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity_form, nodal_share_form, normalise_rows_of_weights
+from rollbench.hifi.elements.forms import elasticity_form, nodal_volume_form, normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import (
     build_mesh,
-    freedoms_on_boundaries,
+    degrees_of_freedom_on_boundaries,
     node_coordinates,
     nodes_of_boundary_faces,
     nodes_of_cells,
@@ -49,18 +49,18 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahed
 
 
 @dataclass(frozen=True)
-class Socket:
+class BodySocket:
     """Socket of a body: the box cut out of its coarse mesh around one contact, which a fine patch fills."""
 
     #: Indices of the socket's nodes in the body's mesh, in the order of the patch of its flank.
-    nodes: Index
+    node_indices: Index
     #: Rotation matrix from the frame of the patch to that of the body ``(3, 3)``.
     rotation: Array
     #: Flank 0 to 3.
-    side: int
+    flank: int
 
 
-#: Sizes of the elliptic pressures that `reduce_socket_transfer_to_modes` has to represent, over the size of the contact
+#: Sizes of the elliptic pressures that `contact_modes_of_patch` has to represent, over the size of the contact
 #: zone, and their positions along each axis of the zone, over the width by which they can be moved inside it.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
@@ -73,7 +73,7 @@ REST, ROUND_OFF = 1e-3, 1e-13
 NO_RESULTANT = 1e-9
 
 
-def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
+def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Array, Array]:
     """Find a few displacement modes V of a contact, and their nodal forces Q on the socket, such that H is nearly V Q.
 
     H (`CondensedPatch.H`) gives the displacements of the contact by the motion of the socket, the box that the patch fills;
@@ -85,7 +85,7 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
     patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next modes are the strongest of the
     remaining loads on the socket, which have no resultant.
 
-    The pressures are elliptic, of several sizes and positions in the contact zone (`hertz_pressures_of_unit_force`), so
+    The pressures are elliptic, of several sizes and positions in the contact zone (`elliptic_pressures_of_unit_force`), so
     that the modes do not depend on the grid and few are needed. Loads on single nodes count with the weight `REST`. The
     last modes are errors of H in the resultants, so that V Q is exact with all modes.
 
@@ -93,7 +93,7 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
     ----------
     patch : CondensedPatch
         The condensed patch, with c contact nodes.
-    count : int
+    mode_count : int
         Number of modes; fewer where the remainder is below `ROUND_OFF`.
 
     Returns
@@ -106,7 +106,7 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
     rigid, moved = rigid_motions_of_patch(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)
     resultants = (W * strength)[:, strength > NO_RESULTANT * strength[0]]
-    pressures = hertz_pressures_of_unit_force(patch)
+    pressures = elliptic_pressures_of_unit_force(patch)
     mean = patch.H.T @ pressures - rigid @ ((patch.H @ rigid - moved).T @ pressures)
     mean = mean @ np.linalg.pinv(resultants.T @ pressures)
     remainder = patch.H - resultants @ mean.T
@@ -119,7 +119,7 @@ def reduce_socket_transfer_to_modes(patch: CondensedPatch, count: int) -> tuple[
             rigid @ _dominant_left_singular_vectors(wrong, least),
         ]
     )
-    U = U[:, : max(count - mean.shape[1], 0)]
+    U = U[:, : max(mode_count - mean.shape[1], 0)]
     V, T = np.linalg.qr(np.hstack([resultants, remainder @ U]))
     return V, T @ np.vstack([mean.T, U.T])
 
@@ -149,15 +149,15 @@ def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
     moved : (c, 6) Array
         Displacement along the normal at each of c contact nodes, averaged with its pressure basis function, by each motion.
     """
-    centre = patch.socket.mean(axis=0)
-    rigid, T = np.linalg.qr(nodal_displacements_of_rigid_motions(patch.socket, centre))
+    centre = patch.socket_points.mean(axis=0)
+    rigid, T = np.linalg.qr(nodal_displacements_of_rigid_motions(patch.socket_points, centre))
     along = np.einsum(
-        "cx,cxk->ck", patch.normals, nodal_displacements_of_rigid_motions(patch.points, centre).reshape(-1, 3, 6)
+        "cx,cxk->ck", patch.normals, nodal_displacements_of_rigid_motions(patch.contact_points, centre).reshape(-1, 3, 6)
     )
-    return rigid, np.linalg.solve(T.T, (normalise_rows_of_weights(patch.weights) @ along).T).T
+    return rigid, np.linalg.solve(T.T, (normalise_weight_rows(patch.pressure_weights) @ along).T).T
 
 
-def hertz_pressures_of_unit_force(patch: CondensedPatch) -> Array:
+def elliptic_pressures_of_unit_force(patch: CondensedPatch) -> Array:
     """Compute the nodal forces of elliptic (Hertzian) pressures with unit resultant in the contact zone of a patch.
 
     The ellipses have the proportions of the contact zone, the relative sizes `SIZES` and the positions `SHIFTS`.
@@ -172,19 +172,19 @@ def hertz_pressures_of_unit_force(patch: CondensedPatch) -> Array:
     (c, s) Array
         Forces at the c contact nodes [N] for each of s pressure distributions, as columns.
     """
-    middle = patch.points - patch.points.mean(axis=0)
+    middle = patch.contact_points - patch.contact_points.mean(axis=0)
     x = middle @ np.linalg.svd(middle, full_matrices=False)[2][:2].T
     x = (x - 0.5 * (x.max(axis=0) + x.min(axis=0))) / (0.5 * np.ptp(x, axis=0))
     out = []
     for size, *place in product(SIZES, SHIFTS, SHIFTS):
         at = (1.0 - size) * np.array(place)
-        force = patch.areas * np.sqrt(np.maximum(1.0 - (((x - at) / size) ** 2).sum(axis=1), 0.0))
+        force = patch.nodal_areas * np.sqrt(np.maximum(1.0 - (((x - at) / size) ** 2).sum(axis=1), 0.0))
         if force.any():
             out.append(force / force.sum())
     return np.array(out).T
 
 
-def freedoms_of_nodes(nodes: Index) -> Index:
+def degrees_of_freedom_of_nodes(nodes: Index) -> Index:
     """Return the indices 3 i, 3 i + 1, 3 i + 2 of the degrees of freedom of nodes i, along x, y and z.
 
     Parameters
@@ -199,13 +199,13 @@ def freedoms_of_nodes(nodes: Index) -> Index:
 
     Examples
     --------
-    >>> freedoms_of_nodes(np.array([0, 2])).tolist()
+    >>> degrees_of_freedom_of_nodes(np.array([0, 2])).tolist()
     [0, 1, 2, 6, 7, 8]
     """
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
 
 
-def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
+def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
     """Convert a mesh of 10-node tetrahedra to the wanted order, with its named boundaries.
 
     For "P1" each tetrahedron is split into eight first-order ones of half the size with the same nodes. Patches are then
@@ -215,7 +215,7 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
     ----------
     mesh : Mesh
         10-node tetrahedra.
-    kind : str
+    element_type : str
         Wanted order: "P2" (second order, the mesh as given) or "P1" (first order).
 
     Returns
@@ -226,11 +226,11 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
     Raises
     ------
     ValueError
-        ``kind`` is neither "P1" nor "P2".
+        ``element_type`` is neither "P1" nor "P2".
     """
-    if kind not in ("P1", "P2"):
-        raise ValueError(f"the element type of a body's coarse mesh must be 'P1' or 'P2', got {kind!r}")
-    if kind == "P2":
+    if element_type not in ("P1", "P2"):
+        raise ValueError(f"the element type of a body's coarse mesh must be 'P1' or 'P2', got {element_type!r}")
+    if element_type == "P2":
         return mesh
     points = node_coordinates(mesh)
     named = {
@@ -241,7 +241,7 @@ def convert_mesh_order(mesh: Mesh, kind: str) -> Mesh:
 
 
 def assemble_body_stiffness(
-    mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
+    mesh: Mesh, sockets: Sequence[BodySocket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
     """Assemble the stiffness of a coarsely meshed body with condensed fine patches in its sockets (boxes at the contacts).
 
@@ -266,11 +266,11 @@ def assemble_body_stiffness(
     K = forms.assemble_constant_form(elasticity_form(young, poisson), mesh)
     rows, columns, values = [], [], []
     for socket in sockets:
-        S = patches[socket.side].S
-        k = len(socket.nodes)
+        S = patches[socket.flank].S
+        k = len(socket.node_indices)
         R = socket.rotation
         turned = np.einsum("ab,ibjc,dc->iajd", R, S.reshape(k, 3, k, 3), R).reshape(3 * k, 3 * k)
-        dof = freedoms_of_nodes(socket.nodes)
+        dof = degrees_of_freedom_of_nodes(socket.node_indices)
         rows.append(np.repeat(dof, 3 * k))
         columns.append(np.tile(dof, 3 * k))
         values.append(turned.ravel())
@@ -280,7 +280,7 @@ def assemble_body_stiffness(
     return K
 
 
-def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_array:
+def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, Array], freedom_count: int) -> sp.csr_array:
     """Assemble the matrix Q of nodal forces that unit modal forces of all contacts exert on a body's degrees of freedom.
 
     The nodal forces of a socket are given in the frame of its patch, and rotated into the frame of the body.
@@ -289,9 +289,9 @@ def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array],
     ----------
     sockets : Sequence[Socket]
         Sockets of the body: pockets of its coarse mesh that the fine patches fill.
-    rows : dict[int, Array]
+    mode_forces : dict[int, Array]
         By flank, the nodal forces Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
-    size : int
+    freedom_count : int
         Number of the body's degrees of freedom.
 
     Returns
@@ -302,18 +302,20 @@ def assemble_modes_of_sockets(sockets: Sequence[Socket], rows: dict[int, Array],
     data, row, column = [], [], []
     start = 0
     for socket in sockets:
-        Q = rows[socket.side]
-        k = len(socket.nodes)
+        Q = mode_forces[socket.flank]
+        k = len(socket.node_indices)
         turned = np.einsum("mib,ab->mia", Q.reshape(len(Q), k, 3), socket.rotation).reshape(len(Q), 3 * k)
         data.append(turned.ravel())
         row.append(np.repeat(start + np.arange(len(Q)), 3 * k))
-        column.append(np.tile(freedoms_of_nodes(socket.nodes), len(Q)))
+        column.append(np.tile(degrees_of_freedom_of_nodes(socket.node_indices), len(Q)))
         start += len(Q)
-    matrix = sp.coo_array((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
+    matrix = sp.coo_array(
+        (np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, freedom_count)
+    )
     return matrix.tocsr()
 
 
-def isostatic_freedoms(points: Array, avoid: Index) -> Index:
+def select_isostatic_freedoms(points: Array, excluded_nodes: Index) -> Index:
     """Select six degrees of freedom that constrain the rigid motions of a free body without straining it.
 
     They are chosen by a pivoted factorisation of the body's rigid motions.
@@ -322,7 +324,7 @@ def isostatic_freedoms(points: Array, avoid: Index) -> Index:
     ----------
     points : (n, 3) Array
         Coordinates of the nodes [m].
-    avoid : Index
+    excluded_nodes : Index
         Indices of nodes that must not be constrained.
 
     Returns
@@ -330,16 +332,16 @@ def isostatic_freedoms(points: Array, avoid: Index) -> Index:
     (6,) Index
         Degrees of freedom.
     """
-    allowed = np.setdiff1d(np.arange(len(points)), avoid)
+    allowed = np.setdiff1d(np.arange(len(points)), excluded_nodes)
     pick = allowed[np.linspace(0, len(allowed) - 1, min(200, len(allowed))).astype(int)]
     modes = nodal_displacements_of_rigid_motions(points[pick], points.mean(axis=0))
     size = float(np.abs(points - points.mean(axis=0)).max())
     modes = modes / np.array([1, 1, 1, size, size, size])
     _, _, order = qr(modes.T, pivoting=True)
-    return np.asarray(freedoms_of_nodes(pick)[order[:6]])
+    return np.asarray(degrees_of_freedom_of_nodes(pick)[order[:6]])
 
 
-def nodal_forces_like_rigid_motions(mesh: Mesh) -> Array:
+def body_forces_like_rigid_motions(mesh: Mesh) -> Array:
     """Compute the nodal forces of six body-force fields that are distributed over the volume like the six rigid motions.
 
     Such fields balance the loads on a free body.
@@ -355,22 +357,22 @@ def nodal_forces_like_rigid_motions(mesh: Mesh) -> Array:
         Nodal forces of each field [N], in the order of the motions of `nodal_displacements_of_rigid_motions`.
     """
     V = forms.cell_basis(mesh)
-    volume = nodal_share_form().assemble(V)
+    volume = nodal_volume_form().assemble(V)
     loads = nodal_displacements_of_rigid_motions(
-        np.stack([nodal_share_form(k).assemble(V) for k in range(3)], axis=1)
+        np.stack([nodal_volume_form(k).assemble(V) for k in range(3)], axis=1)
     ).reshape(-1, 3, 6)
     loads[..., :3] *= volume[:, None, None]
     return np.asarray(loads.reshape(-1, 6).T)
 
 
-def expansion_of_free_freedoms(mesh: Mesh, held: Index) -> sp.csc_array:
+def all_freedoms_from_free_ones(mesh: Mesh, fixed_freedoms: Index) -> sp.csc_array:
     """Return the matrix that gives all degrees of freedom of a body from the free ones; the fixed ones are zero.
 
     Parameters
     ----------
     mesh : Mesh
         The body.
-    held : Index
+    fixed_freedoms : Index
         Indices of the fixed degrees of freedom.
 
     Returns
@@ -379,10 +381,10 @@ def expansion_of_free_freedoms(mesh: Mesh, held: Index) -> sp.csc_array:
         Transformation matrix with one column for each of the f free degrees of freedom.
     """
     size = mesh.doflocs.size
-    return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
+    return sp.eye_array(size, format="csc")[:, np.setdiff1d(np.arange(size), fixed_freedoms)]
 
 
-def expansion_with_rigid_high_end(mesh: Mesh, high: float) -> sp.csc_array:
+def all_freedoms_with_rigid_end(mesh: Mesh, high: float) -> sp.csc_array:
     """Return the matrix C that gives all degrees of freedom of a body with one fixed and one rigid end from the free ones.
 
     The boundary "low end" is fixed, and the boundary "high end" moves as a rigid section. With the stiffness K of the mesh,
@@ -401,8 +403,8 @@ def expansion_with_rigid_high_end(mesh: Mesh, high: float) -> sp.csc_array:
         Transformation matrix C from f free degrees of freedom and the six of the section, which come last.
     """
     upper = nodes_on_boundaries(mesh, "high end")
-    slaves = freedoms_of_nodes(upper)
-    free = expansion_of_free_freedoms(mesh, np.concatenate([freedoms_on_boundaries(mesh, "low end"), slaves]))
+    slaves = degrees_of_freedom_of_nodes(upper)
+    free = all_freedoms_from_free_ones(mesh, np.concatenate([degrees_of_freedom_on_boundaries(mesh, "low end"), slaves]))
     section = sp.csc_array(nodal_displacements_of_rigid_motions(node_coordinates(mesh)[upper], np.array([0.0, 0.0, high])))
     return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
 
@@ -416,27 +418,27 @@ STEP = 0.01
 
 
 @dataclass(frozen=True)
-class BodyPiece:
+class ContactSubmodel:
     """Mesh of a short piece of a body around one contact: the submodel that gives the contact's local compliance."""
 
     #: Mesh of the piece.
     mesh: Mesh
     #: Indices of its socket's nodes, in the order of the socket mesh of the flank.
-    socket: Index
+    socket_nodes: Index
     #: Rotation matrix from the frame of the patch to that of the piece ``(3, 3)``.
     rotation: Array
     #: Names of the fixed boundaries; if there are none, body forces distributed like rigid motions balance the loads.
-    held: tuple[str, ...]
+    fixed_boundaries: tuple[str, ...]
 
 
-def contact_compliance_in_fine_piece(
-    piece: BodyPiece, patch: PatchMesh, normals: Array, young: float, poisson: float
+def contact_compliance_in_fine_submodel(
+    piece: ContactSubmodel, patch: PatchMesh, normals: Array, young: float, poisson: float
 ) -> Array:
     """Compute the compliance C_fine between the c nodes of a contact in a finely meshed piece of its body.
 
     Parameters
     ----------
-    piece : BodyPiece
+    piece : ContactSubmodel
         Piece of the body.
     patch : PatchMesh
         Patch in its socket.
@@ -457,11 +459,11 @@ def contact_compliance_in_fine_piece(
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    return response_of_piece_to_patch_loads(piece, patch, mean_normal_displacement_matrix(patch, normals), young, poisson)
+    return compliance_of_patch_in_submodel(piece, patch, mean_normal_displacement_matrix(patch, normals), young, poisson)
 
 
-def response_of_piece_to_patch_loads(
-    piece: BodyPiece, patch: PatchMesh, rows: sp.csr_array, young: float, poisson: float
+def compliance_of_patch_in_submodel(
+    piece: ContactSubmodel, patch: PatchMesh, nodal_forces: sp.csr_array, young: float, poisson: float
 ) -> Array:
     """Compute the compliance between several load cases on a fine patch that is solved together with the body around it.
 
@@ -469,11 +471,11 @@ def response_of_piece_to_patch_loads(
 
     Parameters
     ----------
-    piece : BodyPiece
+    piece : ContactSubmodel
         Piece of the body.
     patch : PatchMesh
         Patch of n nodes.
-    rows : (m, 3 n) sparse array
+    nodal_forces : (m, 3 n) sparse array
         Nodal forces on the patch in m load cases.
     young : float
         Young's modulus [Pa].
@@ -493,37 +495,39 @@ def response_of_piece_to_patch_loads(
     form = elasticity_form(young, poisson)
     K_patch, K_body = forms.assemble_constant_form(form, patch.mesh), forms.assemble_constant_form(form, piece.mesh)
     size = K_patch.shape[0]
-    outer = freedoms_of_nodes(patch.interface)
+    outer = degrees_of_freedom_of_nodes(patch.interface_nodes)
     inner = np.setdiff1d(np.arange(size), outer)
     free, loads = _free_and_balancing_loads(piece)
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
     # the interface follows the socket's nodes: patch's frame = R^T times the body's
-    turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket.size)
-    tie = (sp.kron(patch.tie, sp.eye_array(3)) @ turn).tocoo()
+    turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket_nodes.size)
+    tie = (sp.kron(patch.interface_weights, sp.eye_array(3)) @ turn).tocoo()
     lines = np.concatenate([inner, outer[tie.row]])
-    columns = np.concatenate([np.arange(inner.size), place[freedoms_of_nodes(piece.socket)][tie.col]])
+    columns = np.concatenate([np.arange(inner.size), place[degrees_of_freedom_of_nodes(piece.socket_nodes)][tie.col]])
     T = sp.csr_array((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
     body = K_body[free][:, free].tocoo()
     shape = (T.shape[1], T.shape[1])
     K = (T.T @ K_patch @ T + sp.coo_array((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
     relief = sp.hstack([sp.csr_array((loads.shape[0], inner.size)), loads[:, free]])
-    F = symmetric_compliance_of_loads(K, sp.vstack([rows @ T, relief]).tocsr())
-    return _balance_by_body_forces(F, rows.shape[0], rows @ _rigid_modes_in_patch_frame(patch, piece), loads, piece)
+    F = symmetric_compliance_of_loads(K, sp.vstack([nodal_forces @ T, relief]).tocsr())
+    return _compliance_of_balanced_loads(
+        F, nodal_forces.shape[0], nodal_forces @ _rigid_motions_in_patch_frame(patch, piece), loads, piece
+    )
 
 
-def mode_compliance_in_coarse_piece(
-    piece: BodyPiece, patch: CondensedPatch, rows: Array, young: float, poisson: float
+def mode_compliance_in_coarse_submodel(
+    piece: ContactSubmodel, patch: CondensedPatch, mode_forces: Array, young: float, poisson: float
 ) -> Array:
     """Compute the compliance G_coarse between the displacement modes of a contact in a piece meshed like the coarse body.
 
     Parameters
     ----------
-    piece : BodyPiece
+    piece : ContactSubmodel
         Piece of the body.
     patch : CondensedPatch
         Condensed patch in its socket.
-    rows : (k, 3 nodes) Array
+    mode_forces : (k, 3 nodes) Array
         Nodal forces Q of the k modes on the degrees of freedom of the socket's nodes.
     young : float
         Young's modulus [Pa].
@@ -540,26 +544,26 @@ def mode_compliance_in_coarse_piece(
     FactorError
         The stiffness of the piece cannot be factored.
     """
-    socket = Socket(piece.socket, piece.rotation, 0)
+    socket = BodySocket(piece.socket_nodes, piece.rotation, 0)
     K = assemble_body_stiffness(piece.mesh, [socket], {0: patch}, young, poisson)
     free, loads = _free_and_balancing_loads(piece)
-    Q = assemble_modes_of_sockets([socket], {0: rows}, K.shape[0])
+    Q = assemble_mode_forces([socket], {0: mode_forces}, K.shape[0])
     F = symmetric_compliance_of_loads(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
-    return _balance_by_body_forces(
-        F, len(rows), Q @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)), loads, piece
+    return _compliance_of_balanced_loads(
+        F, len(mode_forces), Q @ nodal_displacements_of_rigid_motions(node_coordinates(piece.mesh)), loads, piece
     )
 
 
-def local_contact_compliance(fine: Array, V: Array, coarse: Callable[[float], Array]) -> Array:
+def local_contact_compliance(fine_compliance: Array, V: Array, coarse_mode_compliance: Callable[[float], Array]) -> Array:
     """Compute the local compliance A_own of a contact: that of the fine piece less what the coarse mesh represents.
 
     Parameters
     ----------
-    fine : (c, c) Array
+    fine_compliance : (c, c) Array
         Compliance C_fine between the c contact nodes in the finely meshed piece [m/N].
     V : (c, k) Array
         Displacement modes of the contact that the coarse body represents.
-    coarse : Callable[[float], Array]
+    coarse_mode_compliance : Callable[[float], Array]
         Function that returns G_coarse ``(k, k)`` [m/N] of a mesh whose element sizes are scaled by its argument.
 
     Returns
@@ -567,24 +571,26 @@ def local_contact_compliance(fine: Array, V: Array, coarse: Callable[[float], Ar
     (c, c) Array
         C_fine - V G_coarse V^T [m/N], over the mean of `REALISATIONS` coarse meshes.
     """
-    G = np.mean([coarse(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
-    A = fine - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
+    G = np.mean([coarse_mode_compliance(1.0 + STEP * n) for n in range(REALISATIONS)], axis=0)
+    A = fine_compliance - V @ G @ V.T  # A_own = C_fine - V G_coarse V^T
     return np.asarray(0.5 * (A + A.T))
 
 
-def _free_and_balancing_loads(piece: BodyPiece) -> tuple[Index, sp.csr_array]:
+def _free_and_balancing_loads(piece: ContactSubmodel) -> tuple[Index, sp.csr_array]:
     """Return the free degrees of freedom of a piece of a body, and six fields of nodal forces that can balance its loads.
 
     The fields ``(6, 3 n)`` are body forces distributed like the rigid motions; a piece with fixed boundaries has none.
     """
     size = piece.mesh.doflocs.size
-    if piece.held:
-        return np.setdiff1d(np.arange(size), freedoms_on_boundaries(piece.mesh, *piece.held)), sp.csr_array((0, size))
-    held = isostatic_freedoms(node_coordinates(piece.mesh), piece.socket)
-    return np.setdiff1d(np.arange(size), held), sp.csr_array(nodal_forces_like_rigid_motions(piece.mesh))
+    if piece.fixed_boundaries:
+        return np.setdiff1d(
+            np.arange(size), degrees_of_freedom_on_boundaries(piece.mesh, *piece.fixed_boundaries)
+        ), sp.csr_array((0, size))
+    held = select_isostatic_freedoms(node_coordinates(piece.mesh), piece.socket_nodes)
+    return np.setdiff1d(np.arange(size), held), sp.csr_array(body_forces_like_rigid_motions(piece.mesh))
 
 
-def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
+def _rigid_motions_in_patch_frame(patch: PatchMesh, piece: ContactSubmodel) -> Array:
     """Compute the displacements of a patch's n nodes by six unit rigid motions of the body around it ``(3 n, 6)``.
 
     The displacements are in the patch's frame; the motions are those of the frame of ``piece``.
@@ -593,7 +599,7 @@ def _rigid_modes_in_patch_frame(patch: PatchMesh, piece: BodyPiece) -> Array:
     return np.asarray(np.einsum("ba,nbk->nak", piece.rotation, rigid).reshape(-1, 6))
 
 
-def _balance_by_body_forces(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: BodyPiece) -> Array:
+def _compliance_of_balanced_loads(F: Array, count: int, rigid: Array, loads: sp.csr_array, piece: ContactSubmodel) -> Array:
     """Compute the compliance ``(count, count)`` [m/N] between loads on a free body that body forces balance.
 
     The body forces are distributed like the rigid motions. F: compliance between the loads and, after them, the six fields

@@ -4,7 +4,7 @@ The continuous contact does not depend on the grid. On the grid the approach und
 contact passes rows of nodes; its slope, which governs how loads are shared, oscillates several times as much. This "grid
 wave" is periodic in the position of the contact, in both directions, with the period of a cell. (The nodes of a cell have
 unequal weights, so that a row of nodes is not like the next one.) It therefore vanishes in the mean over the positions in a
-cell, and the mean follows a smooth law of the force (`fit_force_law`).
+cell, and the mean follows a smooth law of the force (`fit_smooth_force_law`).
 
 Each contact's gaps are corrected by that law less the approach at the contact's position. Both are computed for one contact
 pressed straight in, with all the compliance of its submodels, because the phase of the wave follows the ellipse, which
@@ -21,9 +21,9 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
 
 from rollbench.hifi.bodies.patch import CondensedPatch
-from rollbench.hifi.contact.balls import cholesky_of_selection
-from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.contact.balls import cholesky_of_selected_rows
+from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
+from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import contact_frame_vectors
 from rollbench.meshes.groove_map import GrooveMap
@@ -64,10 +64,10 @@ def hertz_contact_under_unit_force(m: GrooveMap, side: int, material: Material) 
     HertzSolution
         Approach, semi-axes and pressure under 1 N.
     """
-    return hertz(1.0, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
+    return solve_hertz(1.0, *m.relative_curvature_radii(side, m.beta), material.youngs_modulus, material.poissons_ratio)
 
 
-def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
+def grid_cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     """Compute the cell sizes of the mesh grid in a contact zone, across and along the groove.
 
     Parameters
@@ -89,17 +89,17 @@ def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     ValueError
         The patch has no grid.
     """
-    if patch.shape is None:
+    if patch.contact_grid_shape is None:
         raise ValueError(
             "the cell sizes of a contact zone got a mesh whose contact nodes form no grid; allowed: a mesh of hexahedra"
         )
     _, tangent, forward = contact_frame_vectors(m, side)
-    n, k = (count // 2 for count in patch.shape)
-    x = patch.points.reshape(*patch.shape, 3)
+    n, k = (count // 2 for count in patch.contact_grid_shape)
+    x = patch.contact_points.reshape(*patch.contact_grid_shape, 3)
     return np.array([(x[n + 1, k] - x[n - 1, k]) @ tangent, (x[n, k + 1] - x[n, k - 1]) @ forward])
 
 
-def forces_resolved_by_patch(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
+def forces_resolved_by_grid(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
     """Choose contact forces whose contact ellipse is neither too small for the mesh grid nor larger than the contact zone.
 
     Under the smallest force the short semi-axis is one cell long, or the ellipse is `LEAST` times the largest one on grids
@@ -123,9 +123,9 @@ def forces_resolved_by_patch(m: GrooveMap, side: int, patch: CondensedPatch, mat
     (count,) Array
         Forces [N], ascending.
     """
-    unit, cells = hertz_contact_under_unit_force(m, side, material), np.abs(cell_sizes(m, side, patch))
-    assert patch.shape is not None
-    half = 0.5 * cells * (np.array(patch.shape) // 2)
+    unit, cells = hertz_contact_under_unit_force(m, side, material), np.abs(grid_cell_sizes(m, side, patch))
+    assert patch.contact_grid_shape is not None
+    half = 0.5 * cells * (np.array(patch.contact_grid_shape) // 2)
     high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
     return np.asarray(np.geomspace(min(COARSEST * cells[1] / unit.semi_y, LEAST * high), high, count) ** 3)
 
@@ -137,7 +137,7 @@ def approaches_at_grid_position(
     compliance: Array,
     loads: Array,
     grid_position: tuple[float, float],
-    start: Flags | None = None,
+    first_guess: Flags | None = None,
 ) -> tuple[Array, Flags]:
     """Compute the approach of ball and groove under several normal forces, for a contact at a given position on its grid.
 
@@ -155,7 +155,7 @@ def approaches_at_grid_position(
         Forces [N].
     grid_position : tuple[float, float]
         Distances of the contact from its nominal position, across and along the groove, as numbers of cells.
-    start : (f, c) Mask, optional, default None
+    first_guess : (f, c) Mask, optional, default None
         First guess: whether each contact pair is closed, as at a neighbouring position; None: no guess.
 
     Returns
@@ -170,23 +170,23 @@ def approaches_at_grid_position(
     ValueError
         The set of closed pairs does not converge.
     """
-    W = normalise_rows_of_weights(patch.weights)
+    W = normalise_weight_rows(patch.pressure_weights)
     normal, tangent, forward = contact_frame_vectors(m, side)
-    x = patch.points - np.array([m.R, 0.0, 0.0])
+    x = patch.contact_points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least at t times (relative radius / r) from the nominal contact
     scale = m.ball / np.array(m.relative_curvature_radii(side, m.beta))
-    beside = cell_sizes(m, side, patch) * np.array(grid_position)
+    beside = grid_cell_sizes(m, side, patch) * np.array(grid_position)
     t = scale * beside
     gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
     along = normal + (beside[0] * tangent + beside[1] * forward) / m.ball
     close = W @ (patch.normals @ (along / np.linalg.norm(along)))
-    approach, closed = unilateral_approaches(compliance, W @ gap, close, loads, start)
+    approach, closed = solve_unilateral_contact(compliance, W @ gap, close, loads, first_guess)
     return approach - nearest, closed
 
 
-def unilateral_approaches(
-    C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None
+def solve_unilateral_contact(
+    C: Array, gap: Array, gap_closing: Array, loads: Array, first_guess: Flags | None = None
 ) -> tuple[Array, Flags]:
     """Compute the approach of two bodies in unilateral contact under several loads.
 
@@ -198,11 +198,11 @@ def unilateral_approaches(
         Compliance between the c contact nodes, symmetric [m/N].
     gap : (c,) Array
         Gaps of the undeformed bodies [m].
-    close : (c,) Array
+    gap_closing : (c,) Array
         Gap closed at each node by a unit of the approach.
     loads : (f,) Array
         Loads [N].
-    start : (f, c) Mask, optional, default None
+    first_guess : (f, c) Mask, optional, default None
         First guess: whether each pair is closed under each load; None: the pairs that are closed under the load before.
 
     Returns
@@ -217,17 +217,17 @@ def unilateral_approaches(
     ValueError
         The set of closed pairs does not converge.
     """
-    active = gap / close <= np.quantile(gap / close, 0.3)
-    columns = np.column_stack([close, gap])
+    active = gap / gap_closing <= np.quantile(gap / gap_closing, 0.3)
+    columns = np.column_stack([gap_closing, gap])
     out, closed = np.empty(loads.size), np.empty((loads.size, gap.size), dtype=bool)
     for k, load in enumerate(loads):
-        active = active if start is None else start[k]
+        active = active if first_guess is None else first_guess[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            unit, by_gap = dpotrs(cholesky_of_selection(C, i), columns[i], lower=1)[0].T
-            out[k] = (load + close[i] @ by_gap) / (close[i] @ unit)
+            unit, by_gap = dpotrs(cholesky_of_selected_rows(C, i), columns[i], lower=1)[0].T
+            out[k] = (load + gap_closing[i] @ by_gap) / (gap_closing[i] @ unit)
             pressure = out[k] * unit - by_gap
-            after = pressure @ C[i] + gap - close * out[k] < 0.0
+            after = pressure @ C[i] + gap - gap_closing * out[k] < 0.0
             after[i] = pressure > 0.0
             if (after == active).all():
                 break
@@ -238,7 +238,7 @@ def unilateral_approaches(
     return out, closed
 
 
-def fit_force_law(loads: Array, approach: Array) -> Array:
+def fit_smooth_force_law(loads: Array, approach: Array) -> Array:
     """Fit a smooth law to approaches under several forces F: Hertz's F^(2/3) times a linear combination of powers of F.
 
     The powers are `POWERS`. The fit minimises the squares of relative errors.
@@ -258,7 +258,7 @@ def fit_force_law(loads: Array, approach: Array) -> Array:
     Examples
     --------
     >>> force = np.array([1.0, 8.0, 27.0, 64.0, 125.0])
-    >>> bool(np.allclose(fit_force_law(force, 1e-6 * np.cbrt(force) ** 2), 1e-6 * np.cbrt(force) ** 2))
+    >>> bool(np.allclose(fit_smooth_force_law(force, 1e-6 * np.cbrt(force) ** 2), 1e-6 * np.cbrt(force) ** 2))
     True
     """
     basis = loads[:, None] ** (2.0 / 3.0 + np.array(POWERS)) / approach[:, None]
@@ -339,22 +339,22 @@ def mean_approaches_over_grid_cell(
 
 
 @dataclass(frozen=True)
-class GridWave:
+class GapCorrectionTable:
     """Table of gap corrections that cancel the dependence of a contact's approach on its position on the mesh grid."""
 
     #: Tabulated forces ``(f,)`` [N].
-    loads: Array
+    tabulated_loads: Array
     #: Corrections of the gap at p positions across and q along the groove, evenly spaced in a cell ``(p, q, f)`` [m]; the
     #: first position is the middle node.
-    table: Array
+    gap_corrections: Array
     #: Cell sizes across and along the groove ``(2,)`` [m].
-    cell: Array
+    cell_sizes: Array
     #: Position of the middle node in the ball's frame ``(3,)`` [m].
-    middle: Array
+    middle_node: Array
     #: Unit vectors across and along the groove ``(2, 3)``.
-    directions: Array
+    grid_directions: Array
 
-    def at(self, loads: Array, centres: Array) -> Array:
+    def interpolate(self, loads: Array, centres: Array) -> Array:
         """Interpolate in the table the gap corrections of n contacts for their loads and positions.
 
         Beyond the tabulated forces, the correction at the nearest force is scaled in proportion to Hertz's approach. A
@@ -372,9 +372,9 @@ class GridWave:
         (n,) Array
             Corrections to be added to the gaps of each contact [m].
         """
-        place = (centres - self.middle) @ self.directions.T / self.cell
-        force = np.clip(loads, self.loads[0], self.loads[-1])
-        correction = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
+        place = (centres - self.middle_node) @ self.grid_directions.T / self.cell_sizes
+        force = np.clip(loads, self.tabulated_loads[0], self.tabulated_loads[-1])
+        correction = CubicSpline(np.log(self.tabulated_loads), self.gap_corrections, axis=2)(np.log(force))  # (p, q, n)
         for coordinate in place.T:
             correction = _interpolate_periodic(correction, coordinate)
         return np.where(loads > 0.0, correction * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
@@ -390,7 +390,9 @@ def _interpolate_periodic(values: Array, place: Array) -> Array:
     return np.asarray(np.einsum("n...n->...n", around))
 
 
-def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
+def tabulate_gap_corrections(
+    m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material
+) -> GapCorrectionTable:
     """Tabulate the gap corrections for the contacts on one flank, at positions in a grid cell and several forces.
 
     A correction is the approach by the smooth force law less the approach computed at the position.
@@ -410,12 +412,16 @@ def tabulate_gap_corrections(m: GrooveMap, side: int, patch: CondensedPatch, C: 
 
     Returns
     -------
-    GridWave
+    GapCorrectionTable
         Table of the corrections.
     """
-    loads = forces_resolved_by_patch(m, side, patch, material, FORCES)
+    loads = forces_resolved_by_grid(m, side, patch, material, FORCES)
     table = approaches_over_grid_cell(m, side, patch, C, loads, (ACROSS, ALONG))[0]
-    assert patch.shape is not None
-    middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
-    correction = fit_force_law(loads, table.mean(axis=(0, 1))) - table
-    return GridWave(loads, correction, cell_sizes(m, side, patch), middle, contact_frame_vectors(m, side)[1:])
+    assert patch.contact_grid_shape is not None
+    middle = patch.contact_points.reshape(*patch.contact_grid_shape, 3)[
+        patch.contact_grid_shape[0] // 2, patch.contact_grid_shape[1] // 2
+    ]
+    correction = fit_smooth_force_law(loads, table.mean(axis=(0, 1))) - table
+    return GapCorrectionTable(
+        loads, correction, grid_cell_sizes(m, side, patch), middle, contact_frame_vectors(m, side)[1:]
+    )

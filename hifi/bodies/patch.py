@@ -19,26 +19,26 @@ from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
 from rollbench.hifi.elements.forms import (
-    CurvedMap,
+    CachedIsoparametricMap,
     assemble_constant_form,
     elasticity_form,
-    normalise_rows_of_weights,
-    pressure_weights_of_nodes,
+    normalise_weight_rows,
+    pressure_function_integrals,
 )
 from rollbench.hifi.linear_algebra import factorise_positive_definite, symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.fem import (
     MeshedBody,
     build_mesh,
+    degrees_of_freedom_on_boundaries,
     element_type_of_mesh,
-    freedoms_on_boundaries,
     mesh_rectangular_grid,
     node_coordinates,
     with_boundaries_from_facets,
     with_node_coordinates,
 )
-from rollbench.meshes.sockets import SocketMesh
-from rollbench.meshes.tet_patch import LocalTets, signed_volumes
+from rollbench.meshes.sockets import RefinementBoxFaces
+from rollbench.meshes.tet_patch import TetrahedralPatchMesh, signed_volumes
 
 Flags = NDArray[np.bool_]
 
@@ -47,7 +47,7 @@ PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 
 
 @dataclass(frozen=True)
-class PatchLines:
+class PatchCellBoundaries:
     """Cell boundaries of the fine mesh (patch) around a contact, in its three local coordinates."""
 
     #: Coordinates across the groove, in the direction of the contact angle gamma, from -1 to 1.
@@ -68,32 +68,32 @@ class PatchMesh(MeshedBody):
     #: Hexahedra or tetrahedra.
     mesh: Mesh
     #: Local coordinates of its nodes ``(n, 3)``.
-    xi: Array
+    local_coordinates: Array
     #: Nodes of the contact zone ``(c,)``.
-    contact: Index
+    contact_nodes: Index
     #: Numbers of the contact zone's nodes across and along the groove; None: they form no grid.
-    contact_shape: tuple[int, int] | None
+    contact_grid_shape: tuple[int, int] | None
     #: Whether each node of the contact zone is one of the outermost ``(c,)``.
-    rim: Flags
+    on_zone_edge: Flags
     #: Nodes of the interface to the body.
-    interface: Index
+    interface_nodes: Index
     #: Weights that interpolate the interface nodes from the socket's nodes ``(interface nodes, socket nodes)``.
-    tie: sp.csr_array
+    interface_weights: sp.csr_array
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
-    #: `hifi.elements.forms.pressure_weights_of_nodes`.
-    weights: sp.csr_array
+    #: `hifi.elements.forms.pressure_function_integrals`.
+    pressure_weights: sp.csr_array
     #: Points of the socket's nodes ``(k, 3)`` [m].
-    socket: Array
+    socket_points: Array
 
     @property
-    def kind(self) -> str:
+    def element_type(self) -> str:
         """Element type: "P1" or "Q2"."""
         return element_type_of_mesh(self.mesh)
 
     @property
     def areas(self) -> Array:
         """Areas of the surface that belong to the c contact nodes: integrals of their pressure basis functions [m2]."""
-        return np.asarray(self.weights.sum(axis=1)).ravel()
+        return np.asarray(self.pressure_weights.sum(axis=1)).ravel()
 
 
 @dataclass(frozen=True)
@@ -112,29 +112,29 @@ class CondensedPatch:
     #: Stiffness at the socket ``(3 k, 3 k)`` [N/m].
     S: Array
     #: Contact nodes ``(c, 3)`` [m].
-    points: Array
+    contact_points: Array
     #: Normals at these nodes ``(c, 3)``.
     normals: Array
     #: Areas of the pressure functions ``(c,)`` [m2].
-    areas: Array
+    nodal_areas: Array
     #: Whether each contact node is one of the outermost ``(c,)``.
-    rim: Flags
+    on_zone_edge: Flags
     #: Numbers of contact nodes across and along the groove; None: they form no grid.
-    shape: tuple[int, int] | None
+    contact_grid_shape: tuple[int, int] | None
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
-    weights: sp.csr_array
+    pressure_weights: sp.csr_array
     #: Points of the socket's nodes ``(k, 3)`` [m], in the patch's frame.
-    socket: Array
+    socket_points: Array
     #: Number of degrees of freedom that were condensed.
-    unknowns: int
+    degree_of_freedom_count: int
 
 
-def graded_boundaries(inner: float, step: float, growth: float) -> Array:
+def graded_cell_boundaries(uniform_half_length: float, step: float, growth: float) -> Array:
     """Divide the interval [-1, 1] into cells of equal size in its inner part, and of growing size towards its ends.
 
     Parameters
     ----------
-    inner : float
+    uniform_half_length : float
         Half the length of the equally divided part, from -inner to inner.
     step : float
         Approximate step in that part.
@@ -148,15 +148,15 @@ def graded_boundaries(inner: float, step: float, growth: float) -> Array:
 
     Examples
     --------
-    >>> graded_boundaries(0.5, 0.5, 1.0).tolist()
+    >>> graded_cell_boundaries(0.5, 0.5, 1.0).tolist()
     [-1.0, -0.5, 0.0, 0.5, 1.0]
     """
-    cells = max(1, round(2.0 * inner / step))
-    beyond = growing_boundaries(inner, 1.0, 2.0 * inner / cells, growth)[1:]
-    return np.concatenate([-beyond[::-1], np.linspace(-inner, inner, cells + 1), beyond])
+    cells = max(1, round(2.0 * uniform_half_length / step))
+    beyond = growing_cell_boundaries(uniform_half_length, 1.0, 2.0 * uniform_half_length / cells, growth)[1:]
+    return np.concatenate([-beyond[::-1], np.linspace(-uniform_half_length, uniform_half_length, cells + 1), beyond])
 
 
-def growing_boundaries(start: float, end: float, first: float, ratio: float) -> Array:
+def growing_cell_boundaries(start: float, end: float, first: float, ratio: float) -> Array:
     """Divide an interval into cells whose sizes grow by a constant ratio.
 
     Parameters
@@ -175,7 +175,7 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
 
     Examples
     --------
-    >>> growing_boundaries(0.0, 7.0, 0.5, 2.0).tolist()
+    >>> growing_cell_boundaries(0.0, 7.0, 0.5, 2.0).tolist()
     [0.0, 1.0, 3.0, 7.0]
     """
     steps = [first * ratio]
@@ -186,7 +186,10 @@ def growing_boundaries(start: float, end: float, first: float, ratio: float) -> 
 
 
 def mesh_hexahedral_patch(
-    lines: PatchLines, zone: tuple[float, float], map_to_space: Callable[[Array], Array], socket: SocketMesh
+    lines: PatchCellBoundaries,
+    zone: tuple[float, float],
+    map_to_space: Callable[[Array], Array],
+    socket: RefinementBoxFaces,
 ) -> PatchMesh:
     """Mesh the patch around a contact with 27-node hexahedra, and tie its boundary to the socket in the coarse mesh.
 
@@ -195,13 +198,13 @@ def mesh_hexahedral_patch(
 
     Parameters
     ----------
-    lines : PatchLines
+    lines : PatchCellBoundaries
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, in local coordinates.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    socket : SocketMesh
+    socket : RefinementBoxFaces
         Mesh of the socket's faces.
 
     Returns
@@ -215,11 +218,13 @@ def mesh_hexahedral_patch(
         An interface node lies on no triangle.
     """
     grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie, nodes = _map_patch_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
+    points, interface, tie, nodes = _map_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
     mesh = with_node_coordinates(grid, points)
-    if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
+    if (
+        CachedIsoparametricMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0
+    ):  # a left-handed map: mirror every cell
         grid = mesh_rectangular_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie, nodes = _map_patch_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
+        points, interface, tie, nodes = _map_nodes_into_socket(node_coordinates(grid), map_to_space, socket)
         mesh = with_node_coordinates(grid, points)
     xi = node_coordinates(grid)
     top = np.abs(xi[:, 1]) < 1e-12
@@ -230,10 +235,12 @@ def mesh_hexahedral_patch(
     counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return _collect_patch_mesh(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
+    return _create_patch_mesh(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
 
 
-def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Array], socket: SocketMesh) -> PatchMesh:
+def fit_tetrahedral_patch(
+    local: TetrahedralPatchMesh, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces
+) -> PatchMesh:
     """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to the socket it fills.
 
     The coarse body may be of first or second order. The area of a contact node is a third of the area of the triangles
@@ -241,11 +248,11 @@ def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Arra
 
     Parameters
     ----------
-    local : LocalTets
+    local : TetrahedralPatchMesh
         Tetrahedra in local coordinates.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
-    socket : SocketMesh
+    socket : RefinementBoxFaces
         Mesh of the socket's faces.
 
     Returns
@@ -258,25 +265,29 @@ def fit_tetrahedral_patch(local: LocalTets, map_to_space: Callable[[Array], Arra
     ValueError
         The map turns cells inside out, or an interface node lies on no triangle.
     """
-    points, interface, tie, nodes = _map_patch_nodes_into_socket(local.xi, map_to_space, socket, linear=True)
-    volumes = signed_volumes(points, local.tets)
+    points, interface, tie, nodes = _map_nodes_into_socket(local.xi, map_to_space, socket, linear=True)
+    volumes = signed_volumes(points, local.tetrahedra)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError(
             "tetrahedra of the fine mesh around a contact are turned inside out by the map into space: make the edges of "
             "the tetrahedra at its rim shorter"
         )
-    cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
+    cells = (
+        local.tetrahedra if volumes[0] > 0.0 else local.tetrahedra[:, [0, 2, 1, 3]]
+    )  # a left-handed map: mirror every cell
     mesh, _ = build_mesh(points, cells, "P1")
     top = np.zeros(len(points), dtype=bool)
-    top[local.top] = True
+    top[local.top_triangles] = True
     loose = np.ones(len(points), dtype=bool)
-    loose[local.contact] = False
+    loose[local.contact_nodes] = False
     beside = np.zeros(len(points), dtype=bool)
-    beside[local.top[loose[local.top].any(axis=1)]] = True
-    return _collect_patch_mesh(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
+    beside[local.top_triangles[loose[local.top_triangles].any(axis=1)]] = True
+    return _create_patch_mesh(
+        mesh, local.xi, top, local.contact_nodes, None, beside[local.contact_nodes], interface, tie, nodes
+    )
 
 
-def _collect_patch_mesh(
+def _create_patch_mesh(
     mesh: Mesh,
     xi: Array,
     top: Flags,
@@ -299,7 +310,7 @@ def _collect_patch_mesh(
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     boundaries = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
     mesh = with_boundaries_from_facets(mesh, {name: outer[on] for name, on in boundaries.items()})
-    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, pressure_weights_of_nodes(mesh, contact), socket)
+    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, pressure_function_integrals(mesh, contact), socket)
 
 
 def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
@@ -327,14 +338,16 @@ def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: Pa
     ValueError
         The carrier has no grid.
     """
-    c = mesh.contact.size
+    c = mesh.contact_nodes.size
     if carrier is None:
         carrier = mesh
-        place = sp.csr_array((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
+        place = sp.csr_array((np.ones(c), (np.arange(c), mesh.contact_nodes)), (c, mesh.mesh.doflocs.shape[1]))
     else:
-        place = _grid_interpolation_matrix(carrier, mesh.xi[mesh.contact])
+        place = _grid_interpolation_matrix(carrier, mesh.local_coordinates[mesh.contact_nodes])
     nodal = sp.csr_array((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
-    return sp.csr_array(normalise_rows_of_weights(mesh.weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr"))
+    return sp.csr_array(
+        normalise_weight_rows(mesh.pressure_weights) @ nodal @ sp.kron(place, sp.eye_array(3), format="csr")
+    )
 
 
 def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
@@ -342,14 +355,16 @@ def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
 
     ``xi``: local coordinates of the points (p, 3).
     """
-    if mesh.contact_shape is None:
+    if mesh.contact_grid_shape is None:
         raise ValueError(
             "displacements cannot be interpolated on a mesh whose contact nodes form no grid: it must consist of hexahedra"
         )
-    top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
-    axes = [np.unique(np.round(mesh.xi[top, axis], 12)) for axis in (0, 2)]
+    top = np.flatnonzero(np.abs(mesh.local_coordinates[:, 1]) < 1e-12)
+    axes = [np.unique(np.round(mesh.local_coordinates[top, axis], 12)) for axis in (0, 2)]
     number = np.empty([a.size for a in axes], dtype=np.int64)
-    number[tuple(np.searchsorted(a, mesh.xi[top, axis] - 1e-9) for a, axis in zip(axes, (0, 2), strict=True))] = top
+    number[
+        tuple(np.searchsorted(a, mesh.local_coordinates[top, axis] - 1e-9) for a, axis in zip(axes, (0, 2), strict=True))
+    ] = top
     rows, columns, values = [], [], []
     shapes = [_quadratic_line_shapes(a, xi[:, axis]) for a, axis in zip(axes, (0, 2), strict=True)]
     for (i, u), (k, v) in product(zip(*shapes[0], strict=True), zip(*shapes[1], strict=True)):
@@ -372,8 +387,8 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
     return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
-def _map_patch_nodes_into_socket(
-    xi: Array, map_to_space: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
+def _map_nodes_into_socket(
+    xi: Array, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
     """Map the nodes of a patch into space; those on its boundary to the body (interface) lie on the socket's triangles.
 
@@ -389,14 +404,14 @@ def _map_patch_nodes_into_socket(
     return points, interface, tie, nodes
 
 
-def socket_interpolation_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_array:
+def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
     """Return the weights that interpolate points on the inner faces of a socket from the socket's nodes.
 
     Parameters
     ----------
     xi : (n, 3) Array
         Local coordinates of the points.
-    socket : SocketMesh
+    socket : RefinementBoxFaces
         Mesh of the faces, with k nodes.
     linear : bool, default False
         True: interpolate on four first-order triangles between the nodes of each second-order one.
@@ -456,43 +471,43 @@ def _linear_triangle_shapes(w: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _StiffnessBlocks:
+class _PatchStiffnessBlocks:
     """Stiffness of a patch split into blocks: its inner degrees of freedom, its boundary, and the socket it is tied to."""
 
     #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
     #: Stiffness between the inner degrees of freedom and those of the socket ``(i, 3 k)`` [N/m].
-    coupling: sp.csc_array
+    inner_to_socket_stiffness: sp.csc_array
     #: Stiffness of the interface's degrees of freedom [N/m].
-    outer_stiffness: sp.csc_array
+    interface_stiffness: sp.csc_array
     #: Unit contact loads on the inner degrees of freedom ``(i, c)``.
-    forces: sp.csc_array
+    contact_forces: sp.csc_array
     #: Weights that interpolate the interface's degrees of freedom from those of the socket.
-    tie: sp.csc_array
+    interface_weights: sp.csc_array
     #: Indices of the inner degrees of freedom among all ``(i,)``.
-    inner: Index
+    inner_freedoms: Index
 
 
-def _stiffness_blocks(
+def _assemble_patch_stiffness_blocks(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
-) -> _StiffnessBlocks:
+) -> _PatchStiffnessBlocks:
     """Assemble the stiffness blocks of a patch; the arguments are those of `condense_patch`."""
     base = mesh if carrier is None else carrier
     K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
-    if np.isin(mesh.contact, mesh.interface).any():
+    if np.isin(mesh.contact_nodes, mesh.interface_nodes).any():
         raise ValueError(
             "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than the socket"
         )
-    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on_boundaries(base.mesh, "interface"))
-    outer = (3 * base.interface[:, None] + np.arange(3)).ravel()
-    T = sp.kron(base.tie, sp.eye_array(3), format="csc")
+    inner = np.setdiff1d(np.arange(K.shape[0]), degrees_of_freedom_on_boundaries(base.mesh, "interface"))
+    outer = (3 * base.interface_nodes[:, None] + np.arange(3)).ravel()
+    T = sp.kron(base.interface_weights, sp.eye_array(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
     forces = mean_normal_displacement_matrix(mesh, normals, carrier)[:, inner].T.tocsc()
-    return _StiffnessBlocks(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
+    return _PatchStiffnessBlocks(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 
 def condense_patch(
-    mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, coarser_patch: PatchMesh | None = None
 ) -> CondensedPatch:
     """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the socket it fills.
 
@@ -509,7 +524,7 @@ def condense_patch(
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
-    carrier : PatchMesh, optional, default None
+    coarser_patch : PatchMesh, optional, default None
         A coarser patch of the same socket whose mesh is used in place of that of ``mesh``; None: ``mesh`` is used.
 
     Returns
@@ -522,28 +537,30 @@ def condense_patch(
     ValueError
         The contact zone reaches the edge of the patch.
     """
-    blocks = _stiffness_blocks(mesh, normals, young, poisson, carrier)
-    boundary = (blocks.tie.T @ (blocks.outer_stiffness @ blocks.tie)).toarray()
-    c = blocks.forces.shape[1]
-    F = symmetric_compliance_of_loads(blocks.inner_stiffness, sp.hstack([blocks.forces, blocks.coupling]).T)
+    blocks = _assemble_patch_stiffness_blocks(mesh, normals, young, poisson, coarser_patch)
+    boundary = (blocks.interface_weights.T @ (blocks.interface_stiffness @ blocks.interface_weights)).toarray()
+    c = blocks.contact_forces.shape[1]
+    F = symmetric_compliance_of_loads(
+        blocks.inner_stiffness, sp.hstack([blocks.contact_forces, blocks.inner_to_socket_stiffness]).T
+    )
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T),
         H=H,
         S=0.5 * (S + S.T),
-        points=mesh.points[mesh.contact],
+        contact_points=mesh.points[mesh.contact_nodes],
         normals=normals,
-        areas=mesh.areas,
-        rim=mesh.rim,
-        shape=mesh.contact_shape,
-        weights=mesh.weights,
-        socket=mesh.socket,
-        unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size),
+        nodal_areas=mesh.areas,
+        on_zone_edge=mesh.on_zone_edge,
+        contact_grid_shape=mesh.contact_grid_shape,
+        pressure_weights=mesh.pressure_weights,
+        socket_points=mesh.socket_points,
+        degree_of_freedom_count=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface_nodes.size),
     )
 
 
 def nodal_displacements_of_patch(
-    mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, socket_displacements: Array
 ) -> Array:
     """Compute the displacements of all nodes of a patch from its contact forces and the motion of its socket.
 
@@ -561,7 +578,7 @@ def nodal_displacements_of_patch(
         Poisson's ratio.
     forces : (c,) Array
         Contact forces f [N].
-    trace : (3 k,) Array
+    socket_displacements : (3 k,) Array
         Displacements q of the socket's nodes in the patch's frame [m].
 
     Returns
@@ -569,8 +586,10 @@ def nodal_displacements_of_patch(
     (n, 3) Array
         Displacements [m].
     """
-    blocks = _stiffness_blocks(mesh, normals, young, poisson)
+    blocks = _assemble_patch_stiffness_blocks(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)
-    u[blocks.inner] = factorise_positive_definite(blocks.inner_stiffness)(blocks.forces @ forces - blocks.coupling @ trace)
-    u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = blocks.tie @ trace
+    u[blocks.inner_freedoms] = factorise_positive_definite(blocks.inner_stiffness)(
+        blocks.contact_forces @ forces - blocks.inner_to_socket_stiffness @ socket_displacements
+    )
+    u[(3 * mesh.interface_nodes[:, None] + np.arange(3)).ravel()] = blocks.interface_weights @ socket_displacements
     return u.reshape(-1, 3)

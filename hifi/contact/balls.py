@@ -46,7 +46,7 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class BallBlock:
+class BallContactCompliance:
     """Compliance D = blkdiag(A_s) + V G V^T between the contact pairs of one ball, flank after flank.
 
     A_s: local compliance of flank s; V: few smooth modes by which the ball couples its flanks; G: compliance between them.
@@ -54,77 +54,86 @@ class BallBlock:
     """
 
     #: Compliance A_s between the n_s contact pairs of each flank ``(n_s, n_s)`` [m/N], symmetric positive definite.
-    local: tuple[Array, ...]
+    local_compliance: tuple[Array, ...]
     #: Smooth modes V_s ``(n_s, k_s)`` that couple a flank to the ball's other flanks.
-    modes: tuple[Array, ...]
+    coupling_modes: tuple[Array, ...]
     #: Compliance G between the modes of all flanks ``(k, k)`` [m/N], k = sum k_s, symmetric positive semidefinite.
-    coupling: Array
+    mode_compliance: Array
 
     @cached_property
-    def sides(self) -> tuple[slice, ...]:
+    def pair_slices_by_flank(self) -> tuple[slice, ...]:
         """For each groove flank, the slice of its contact pairs among all contact pairs of the ball."""
-        return _consecutive_slices([len(a) for a in self.local])
+        return _consecutive_slices([len(a) for a in self.local_compliance])
 
     @cached_property
-    def _all_modes(self) -> Array:
+    def _modes_of_all_flanks(self) -> Array:
         """Coupling modes V of all flanks as one block-diagonal matrix ``(n, k)``."""
-        return np.asarray(block_diag(*self.modes))
+        return np.asarray(block_diag(*self.coupling_modes))
 
     def __len__(self) -> int:
         """Return the number of contact pairs of the ball."""
-        return sum(len(a) for a in self.local)
+        return sum(len(a) for a in self.local_compliance)
 
     def compute_opened_gaps(self, forces: Array) -> Array:
         """Compute by how much the contact forces f ``(n,)`` [N] of the ball widen its own n gaps: D f ``(n,)`` [m]."""
-        alone = np.concatenate([a @ forces[pairs] for a, pairs in zip(self.local, self.sides, strict=True)])
-        return np.asarray(alone + self._all_modes @ (self.coupling @ (forces @ self._all_modes)))
+        alone = np.concatenate(
+            [a @ forces[pairs] for a, pairs in zip(self.local_compliance, self.pair_slices_by_flank, strict=True)]
+        )
+        return np.asarray(alone + self._modes_of_all_flanks @ (self.mode_compliance @ (forces @ self._modes_of_all_flanks)))
 
     def dense_compliance_matrix(self) -> Array:
         """Return the compliance D between the ball's n contact pairs as a dense matrix ``(n, n)`` [m/N].
 
         It is needed only in the rare case that the active-set method cycles.
         """
-        return np.asarray(block_diag(*self.local) + self._all_modes @ self.coupling @ self._all_modes.T)
+        return np.asarray(
+            block_diag(*self.local_compliance)
+            + self._modes_of_all_flanks @ self.mode_compliance @ self._modes_of_all_flanks.T
+        )
 
-    def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
+    def factorise_active_pairs(
+        self, active: Flags, other_factor: BallComplianceFactor | None = None
+    ) -> BallComplianceFactor:
         """Factorise the compliance D between the active contact pairs (those in contact).
 
         Parameters
         ----------
         active : (n,) Mask
             Whether each contact pair is active, that is in contact.
-        known : BlockFactor | None, default None
+        known : BallComplianceFactor | None, default None
             Factor of another active set; the factors of flanks on which both sets agree are reused.
 
         Returns
         -------
-        BlockFactor
+        BallComplianceFactor
             Inverse D_aa^-1 of the compliance between the active pairs, in factorised form.
         """
         sides = []
-        for s, pairs in enumerate(self.sides):
+        for s, pairs in enumerate(self.pair_slices_by_flank):
             pick = active[pairs]
-            if known is not None and np.array_equal(pick, known.active[pairs]):
-                sides.append(known.sides[s])
+            if other_factor is not None and np.array_equal(pick, other_factor.active_pairs[pairs]):
+                sides.append(other_factor.flank_factors[s])
                 continue
-            closed, V = np.flatnonzero(pick), self.modes[s][pick]
-            cholesky = cholesky_of_selection(self.local[s], closed) if closed.size else None
+            closed, V = np.flatnonzero(pick), self.coupling_modes[s][pick]
+            cholesky = cholesky_of_selected_rows(self.local_compliance[s], closed) if closed.size else None
             solved = V if cholesky is None else dpotrs(cholesky, V, lower=1)[0]
-            sides.append(SideFactor(pairs.start + closed, cholesky, solved, V.T @ solved))
-        k, answer = len(self.coupling), self.coupling
+            sides.append(FlankFactor(pairs.start + closed, cholesky, solved, V.T @ solved))
+        k, answer = len(self.mode_compliance), self.mode_compliance
         if k:
-            answer = np.linalg.solve(np.eye(k) + self.coupling @ block_diag(*(side.middle for side in sides)), answer)
-        return BlockFactor(active.copy(), tuple(sides), answer)
+            answer = np.linalg.solve(
+                np.eye(k) + self.mode_compliance @ block_diag(*(side.mode_stiffness for side in sides)), answer
+            )
+        return BallComplianceFactor(active.copy(), tuple(sides), answer)
 
 
-def cholesky_of_selection(matrix: Array, pick: Indices) -> Array:
+def cholesky_of_selected_rows(matrix: Array, selected: Indices) -> Array:
     """Compute the lower Cholesky factor of selected rows and columns of a symmetric matrix.
 
     Parameters
     ----------
     matrix : (n, n) Array
         Symmetric positive definite matrix.
-    pick : Indices
+    selected : Indices
         Indices of k rows and columns.
 
     Returns
@@ -137,7 +146,7 @@ def cholesky_of_selection(matrix: Array, pick: Indices) -> Array:
     numpy.linalg.LinAlgError
         The selected part of the matrix is not positive definite.
     """
-    return cholesky_in_place(matrix[pick[:, None], pick].T)
+    return cholesky_in_place(matrix[selected[:, None], selected].T)
 
 
 def cholesky_in_place(matrix: Array) -> Array:
@@ -168,34 +177,34 @@ def cholesky_in_place(matrix: Array) -> Array:
     return np.asarray(L)
 
 
-class SideFactor(NamedTuple):
+class FlankFactor(NamedTuple):
     """Factorised compliance between the active contact pairs (those in contact) on one groove flank of a ball."""
 
     #: Active pairs of the flank.
-    pairs: Indices
+    active_pairs: Indices
     #: Lower Cholesky factor of A_aa, the compliance between the active pairs; None where no pair is active.
-    cholesky: Array | None
+    cholesky_factor: Array | None
     #: A_aa^-1 V ``(active pairs, k_s)``, with the modes V of the flank.
-    inner: Array
+    solved_modes: Array
     #: V^T A_aa^-1 V ``(k_s, k_s)``.
-    middle: Array
+    mode_stiffness: Array
 
 
 @dataclass(frozen=True, eq=False)
-class BlockFactor:
+class BallComplianceFactor:
     """Factorised compliance D_aa between the active contact pairs (those in contact) of one ball.
 
     It consists of a Cholesky factor for each flank, and of Woodbury's formula for the coupling V G V^T of the flanks.
     """
 
     #: Active pairs ``(n,)``.
-    active: Flags
+    active_pairs: Flags
     #: Factors of each flank.
-    sides: tuple[SideFactor, ...]
+    flank_factors: tuple[FlankFactor, ...]
     #: Matrix of Woodbury's formula, (I + G V^T A_aa^-1 V)^-1 G ``(k, k)``.
-    answer: Array
+    woodbury_matrix: Array
 
-    def solve(self, rhs: Array) -> Array:
+    def solve_forces(self, rhs: Array) -> Array:
         """Compute the forces of the active contact pairs that produce given displacements there: D_aa^-1 rhs.
 
         Parameters
@@ -209,50 +218,59 @@ class BlockFactor:
             Contact forces [N]; zero on inactive pairs.
         """
         out = np.zeros(rhs.shape)
-        for side in self.sides:
-            if side.cholesky is not None:
-                out[side.pairs] = dpotrs(side.cholesky, rhs[side.pairs], lower=1)[0].reshape(-1, *rhs.shape[1:])
-        z = self.answer @ np.concatenate([side.inner.T @ rhs[side.pairs] for side in self.sides])
+        for side in self.flank_factors:
+            if side.cholesky_factor is not None:
+                out[side.active_pairs] = dpotrs(side.cholesky_factor, rhs[side.active_pairs], lower=1)[0].reshape(
+                    -1, *rhs.shape[1:]
+                )
+        z = self.woodbury_matrix @ np.concatenate(
+            [side.solved_modes.T @ rhs[side.active_pairs] for side in self.flank_factors]
+        )
         for side, columns in zip(
-            self.sides, _consecutive_slices([side.inner.shape[1] for side in self.sides]), strict=True
+            self.flank_factors,
+            _consecutive_slices([side.solved_modes.shape[1] for side in self.flank_factors]),
+            strict=True,
         ):
-            out[side.pairs] -= side.inner @ z[columns]
+            out[side.active_pairs] -= side.solved_modes @ z[columns]
         return out
 
 
-def ball_block_from_dense_matrix(matrix: Array) -> BallBlock:
-    """Make a `BallBlock` without coupling modes from a dense compliance matrix ``(n, n)`` [m/N] of n contact pairs."""
-    return BallBlock((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
+def ball_block_from_dense_matrix(matrix: Array) -> BallContactCompliance:
+    """Make a `BallContactCompliance` without coupling modes from the compliance matrix ``(n, n)`` of n contacts [m/N]."""
+    return BallContactCompliance((matrix,), (np.zeros((len(matrix), 0)),), np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
-class Compliance:
+class ContactCompliance:
     """Compliance C = blkdiag(D_p) + U G U^T of the contacts of all balls, with U = blkdiag(U_p); C itself is never formed.
 
     D_p: compliance of ball p alone; U_p: modes by which its contacts act on screw and nut; G: compliance between the modes
-    of all balls. Create it with `compliance_of_single_ball` or `compliance_of_coupled_balls`, which check the matrices.
+    of all balls. Create it with `contact_compliance_of_single_ball` or `contact_compliance_of_coupled_balls`, which check
+    the matrices.
     """
 
     #: Compliance D_p between the n_p contact pairs of each ball p.
-    blocks: tuple[BallBlock, ...]
+    ball_compliances: tuple[BallContactCompliance, ...]
     #: Modes U_p of each ball ``(n_p, r_p)`` by which its contacts are coupled to those of other balls.
-    modes: tuple[Array, ...]
+    modes_by_ball: tuple[Array, ...]
     #: Compliance G between the modes of all balls ``(r, r)`` [m/N], symmetric, r = sum r_p.
-    coupling: Array
+    mode_compliance: Array
 
     @cached_property
-    def pairs(self) -> tuple[slice, ...]:
+    def pair_slices_by_ball(self) -> tuple[slice, ...]:
         """For each ball, the slice of its contact pairs among the contact pairs of all balls."""
-        return _consecutive_slices([len(block) for block in self.blocks])
+        return _consecutive_slices([len(block) for block in self.ball_compliances])
 
     @cached_property
-    def columns(self) -> tuple[slice, ...]:
+    def mode_slices_by_ball(self) -> tuple[slice, ...]:
         """For each ball, the slice of its coupling modes among all modes: columns of U, rows and columns of G."""
-        return _consecutive_slices([modes.shape[1] for modes in self.modes])
+        return _consecutive_slices([modes.shape[1] for modes in self.modes_by_ball])
 
-    def amplitude(self, forces: Array) -> Array:
+    def modal_forces(self, forces: Array) -> Array:
         """Compute the modal forces U^T lambda ``(r,)`` [N] from the contact forces lambda ``(n,)`` [N] of all n pairs."""
-        return np.concatenate([modes.T @ forces[pairs] for pairs, modes in zip(self.pairs, self.modes, strict=True)])
+        return np.concatenate(
+            [modes.T @ forces[pairs] for pairs, modes in zip(self.pair_slices_by_ball, self.modes_by_ball, strict=True)]
+        )
 
 
 def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
@@ -260,12 +278,12 @@ def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
     return tuple(slice(i, j) for i, j in pairwise(np.cumsum([0, *counts]).tolist()))
 
 
-def compliance_of_single_ball(block: Array | BallBlock) -> Compliance:
-    """Create the `Compliance` of a contact problem with a single ball, from a `BallBlock` or a dense matrix.
+def contact_compliance_of_single_ball(block: Array | BallContactCompliance) -> ContactCompliance:
+    """Create the `Compliance` of a contact problem with a single ball, from a `BallContactCompliance` or a dense matrix.
 
     Parameters
     ----------
-    block : BallBlock or (n, n) Array
+    block : BallContactCompliance or (n, n) Array
         Compliance D between n contact pairs [m/N].
 
     Returns
@@ -278,10 +296,12 @@ def compliance_of_single_ball(block: Array | BallBlock) -> Compliance:
     ValueError
         A matrix is not finite, or not symmetric to 1e-8 of its largest entry.
     """
-    return compliance_of_coupled_balls([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
+    return contact_compliance_of_coupled_balls([block], [np.zeros((len(block), 0))], np.zeros((0, 0)))
 
 
-def compliance_of_coupled_balls(blocks: Sequence[Array | BallBlock], modes: Sequence[Array], coupling: Array) -> Compliance:
+def contact_compliance_of_coupled_balls(
+    blocks: Sequence[Array | BallContactCompliance], modes: Sequence[Array], coupling: Array
+) -> ContactCompliance:
     """Create the compliance blkdiag(D_p) + U G U^T of several balls and check its matrices; see `Compliance`.
 
     Parameters
@@ -303,18 +323,20 @@ def compliance_of_coupled_balls(blocks: Sequence[Array | BallBlock], modes: Sequ
     ValueError
         A matrix is not finite, or not symmetric to 1e-8 of its largest entry.
     """
-    made: dict[int, BallBlock] = {}  # congruent balls share one block
+    made: dict[int, BallContactCompliance] = {}  # congruent balls share one block
     for p, block in enumerate(blocks):
         if id(block) not in made:
-            given = block if isinstance(block, BallBlock) else ball_block_from_dense_matrix(block)
-            local = tuple(_checked_symmetric(f"block {p}", matrix) for matrix in given.local)
-            made[id(block)] = BallBlock(local, given.modes, _checked_symmetric(f"block {p}", given.coupling))
-    return Compliance(
-        tuple(made[id(block)] for block in blocks), tuple(modes), _checked_symmetric("the coupling", coupling)
+            given = block if isinstance(block, BallContactCompliance) else ball_block_from_dense_matrix(block)
+            local = tuple(_symmetrise_checked(f"block {p}", matrix) for matrix in given.local_compliance)
+            made[id(block)] = BallContactCompliance(
+                local, given.coupling_modes, _symmetrise_checked(f"block {p}", given.mode_compliance)
+            )
+    return ContactCompliance(
+        tuple(made[id(block)] for block in blocks), tuple(modes), _symmetrise_checked("the coupling", coupling)
     )
 
 
-def _checked_symmetric(name: str, matrix: Array) -> Array:
+def _symmetrise_checked(name: str, matrix: Array) -> Array:
     """Return a matrix made exactly symmetric; raise ValueError unless it is finite, and symmetric up to round-off.
 
     ``name``: name of the matrix for the error message.
@@ -353,13 +375,13 @@ class ContactResult:
     #: Gaps ``(n,)`` [m]; zero up to round-off on closed pairs.
     gaps: Array
     #: Rigid motions y ``(k,)`` [m, rad].
-    motions: Array
+    rigid_motions: Array
     #: Iterations of Newton's method.
     iterations: int
     #: "converged", or the reason why the solution did not converge.
     status: str
     #: Largest unbalanced force over the largest force on a ball.
-    equilibrium: float
+    unbalanced_force_ratio: float
 
     @property
     def converged(self) -> bool:
@@ -368,34 +390,36 @@ class ContactResult:
 
 
 @dataclass
-class BallContacts:
+class BallContactState:
     """Contact state of one ball: forces, active contact pairs (those in contact), and energy."""
 
     #: Contact forces ``(n,)`` [N].
     forces: Array
     #: Whether each pair is active, that is in contact ``(n,)``.
-    active: Flags
+    active_pairs: Flags
     #: Factor of the compliance between the active pairs; None: not yet computed.
-    factor: BlockFactor | None
+    compliance_factor: BallComplianceFactor | None
     #: Contact energy psi of the ball [J], as defined in this module.
-    energy: float
+    contact_energy: float
 
 
-def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts | Flags, most: int = 60) -> BallContacts:
+def solve_contacts_of_one_ball(
+    block: BallContactCompliance, gap: Array, first_guess: BallContactState | Flags, max_changes: int = 60
+) -> BallContactState:
     """Solve the unilateral contact of one ball between fixed grooves: min 1/2 l^T D l + g^T l over forces l >= 0.
 
     The solution is found by an active-set method, or by non-negative least squares if that cycles.
 
     Parameters
     ----------
-    block : BallBlock
+    block : BallContactCompliance
         Compliance D between the n contact pairs of the ball.
     gap : (n,) Array
         Gaps g without contact forces of this ball [m].
-    start : BallContacts | Flags
+    first_guess : BallContacts | Flags
         First guess: whether each pair is active (n,), or an earlier contact state, whose factors of unchanged flanks are
         reused.
-    most : int, default 60
+    max_changes : int, default 60
         Largest number of changes of the active set.
 
     Returns
@@ -403,18 +427,18 @@ def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts
     BallContacts
         Contact state at the minimum.
     """
-    known = start.factor if isinstance(start, BallContacts) else None
-    active = (start.active if isinstance(start, BallContacts) else start).copy()
+    known = first_guess.compliance_factor if isinstance(first_guess, BallContactState) else None
+    active = (first_guess.active_pairs if isinstance(first_guess, BallContactState) else first_guess).copy()
     scale = float(np.abs(gap).max(initial=0.0))
     seen: set[bytes] = set()
-    for _ in range(most):
-        if known is None or not np.array_equal(known.active, active):
-            known = block.factor(active, known)
-        forces = known.solve(-gap)
+    for _ in range(max_changes):
+        if known is None or not np.array_equal(known.active_pairs, active):
+            known = block.factorise_active_pairs(active, known)
+        forces = known.solve_forces(-gap)
         slack = gap + block.compute_opened_gaps(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
-            return BallContacts(forces, active, known, -0.5 * float(forces @ (gap + slack)))
+            return BallContactState(forces, active, known, -0.5 * float(forces @ (gap + slack)))
         key = new.tobytes()
         if key in seen:
             break
@@ -424,7 +448,7 @@ def solve_contacts_of_one_ball(block: BallBlock, gap: Array, start: BallContacts
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
     energy = float(-0.5 * forces @ block.compute_opened_gaps(forces) - gap @ forces)
-    return BallContacts(forces, active, block.factor(active), energy)
+    return BallContactState(forces, active, block.factorise_active_pairs(active), energy)
 
 
 class NewtonFactor(NamedTuple):
@@ -432,26 +456,26 @@ class NewtonFactor(NamedTuple):
 
     #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with
     #: M = U^T D^-1 U = R R^T.
-    traces: list[tuple[slice, Array]]
+    low_rank_factors: list[tuple[slice, Array]]
     #: Index of the first column of each ball's R among the columns of all balls.
-    starts: list[int]
+    column_starts: list[int]
     #: T ``(sum of ranks, number of rigid motions)`` with U^T D^-1 N = R T.
-    loads: Array
+    motion_coefficients: Array
     #: Lower Cholesky factor of I + R^T G R.
-    inner: Array
+    inner_cholesky_factor: Array
     #: LU factor and pivots of the equations of the rigid motions.
-    outer: tuple[Array, Indices]
+    motion_lu_factor: tuple[Array, Indices]
 
-    def step(self, back: Array, moved: Array, balance: Array) -> tuple[Array, Array]:
+    def newton_step(self, mode_residual: Array, mode_displacement: Array, unbalanced_loads: Array) -> tuple[Array, Array]:
         """Compute the Newton step of modal forces w and rigid motions y from the residuals of both.
 
         Parameters
         ----------
-        back : (r,) Array
+        mode_residual : (r,) Array
             Residual U^T lambda - w of the modal amplitudes [N].
-        moved : (r,) Array
+        mode_displacement : (r,) Array
             Modal displacements G (U^T lambda - w) of that residual [m].
-        balance : (k,) Array
+        unbalanced_loads : (k,) Array
             Unbalanced loads f - N^T lambda on the k rigid motions [N, N m].
 
         Returns
@@ -461,17 +485,19 @@ class NewtonFactor(NamedTuple):
         dy : (k,) Array
             Step of the rigid motions y [m, rad].
         """
-        answer = self._solve_inner(np.concatenate([np.zeros(0), *(R.T @ moved[c] for c, R in self.traces)]))
-        dy = lu_solve(self.outer, balance + self.loads.T @ answer, check_finite=False)
-        amplitude = self._solve_inner(self.loads @ dy) - answer
-        dw = back.copy()
-        for (c, R), (i, j) in zip(self.traces, pairwise(self.starts), strict=True):
+        answer = self._solve_inner(
+            np.concatenate([np.zeros(0), *(R.T @ mode_displacement[c] for c, R in self.low_rank_factors)])
+        )
+        dy = lu_solve(self.motion_lu_factor, unbalanced_loads + self.motion_coefficients.T @ answer, check_finite=False)
+        amplitude = self._solve_inner(self.motion_coefficients @ dy) - answer
+        dw = mode_residual.copy()
+        for (c, R), (i, j) in zip(self.low_rank_factors, pairwise(self.column_starts), strict=True):
             dw[c] += R @ amplitude[i:j]
         return dw, dy
 
     def _solve_inner(self, rhs: Array) -> Array:
         """Compute (I + R^T G R)^-1 rhs for a vector with an entry for each column of the factors R of all balls."""
-        return dpotrs(self.inner, rhs, lower=1)[0].ravel() if rhs.size else rhs
+        return dpotrs(self.inner_cholesky_factor, rhs, lower=1)[0].ravel() if rhs.size else rhs
 
 
 def factorise_at_low_rank(matrix: Array, loads: Array, scale: Array) -> tuple[Array, Array]:
@@ -509,41 +535,45 @@ class SolverState:
     """Solution of a contact problem of all balls in the solver's unknowns: a first guess for a similar problem."""
 
     #: Modal amplitudes w of the contact forces ``(r,)`` [N].
-    w: Array
+    modal_forces: Array
     #: Rigid motions y ``(k,)`` [m, rad].
-    y: Array
+    rigid_motions: Array
     #: Contact states of the balls, valid for the same compliance; None: not yet computed.
-    balls: list[BallContacts] | None = None
+    ball_states: list[BallContactState] | None = None
     #: Factorised equations of the last Newton step; None: not yet computed.
-    factor: NewtonFactor | None = None
+    newton_factor: NewtonFactor | None = None
 
 
-class _EnergySystem:
+class _ContactEnergyProblem:
     """Contact problem of all balls as the minimum of the energy Phi of this module: values, residuals, Newton equations.
 
     C: compliance of n contact pairs; ``gap``: gaps of the undeformed bodies (n,) [m]; N: gaps closed by a unit of each of k
     rigid motions (n, k); f: loads on them (k,) [N, N m]; ``balls``: contact states to start from, or None.
     """
 
-    def __init__(self, C: Compliance, gap: Array, N: sp.csr_array, f: Array, balls: list[BallContacts] | None) -> None:
+    def __init__(
+        self, C: ContactCompliance, gap: Array, N: sp.csr_array, f: Array, balls: list[BallContactState] | None
+    ) -> None:
         self.C, self.f = C, f
-        self.gaps = [gap[pairs] for pairs in C.pairs]
+        self.gaps = [gap[pairs] for pairs in C.pair_slices_by_ball]
         self.rows = []
-        for pairs in C.pairs:
+        for pairs in C.pair_slices_by_ball:
             block = N[pairs]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
-        self.balls = list(balls or (BallContacts(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps))
+        self.balls = list(
+            balls or (BallContactState(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps)
+        )
 
     def evaluate_energy(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Evaluate the energy Phi [J] at modal forces w and rigid motions y, and store the contact states of the balls.
 
         Returns Phi and the two residuals U^T lambda - w ``(r,)`` [N] and f - N^T lambda ``(k,)`` [N, N m].
         """
-        phi = 0.5 * float(w @ (self.C.coupling @ w)) - float(self.f @ y)
+        phi = 0.5 * float(w @ (self.C.mode_compliance @ w)) - float(self.f @ y)
         for i, gap in enumerate(self.gaps_without_local_compliance(w, y)):
-            self.balls[i] = solve_contacts_of_one_ball(self.C.blocks[i], gap, self.balls[i])
-            phi += self.balls[i].energy
+            self.balls[i] = solve_contacts_of_one_ball(self.C.ball_compliances[i], gap, self.balls[i])
+            phi += self.balls[i].contact_energy
         return phi, *self.residuals(w)
 
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
@@ -552,8 +582,8 @@ class _EnergySystem:
         They result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: modal forces (r,)
         [N]; ``y``: rigid motions (k,) [m, rad].
         """
-        z = self.C.coupling @ w
-        each = zip(self.gaps, self.C.modes, self.C.columns, self.rows, strict=True)
+        z = self.C.mode_compliance @ w
+        each = zip(self.gaps, self.C.modes_by_ball, self.C.mode_slices_by_ball, self.rows, strict=True)
         return [gap + U @ z[c] - n @ y[columns] for gap, U, c, (columns, n) in each]
 
     def residuals(self, w: Array) -> tuple[Array, Array]:
@@ -564,24 +594,24 @@ class _EnergySystem:
         balance = self.f.copy()
         for ball, (columns, n) in zip(self.balls, self.rows, strict=True):
             balance[columns] -= n.T @ ball.forces
-        return self.C.amplitude(np.concatenate([ball.forces for ball in self.balls])) - w, balance
+        return self.C.modal_forces(np.concatenate([ball.forces for ball in self.balls])) - w, balance
 
-    def state_of_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
+    def starting_values_for_touching_pairs(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
         """Compute starting values of modal forces w and rigid motions y from a guess of the contact pairs that touch.
 
         ``touching``: for each ball, whether each pair is expected to touch (n_i,). Returns the modal forces w (r,) [N]
         and the rigid motions y (k,) [m, rad]; the forces of some pairs may be negative.
         """
         for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
-            factor = self.C.blocks[i].factor(active)
-            self.balls[i] = BallContacts(factor.solve(-gap), active, factor, 0.0)
-        back, balance = self.residuals(np.zeros(len(self.C.coupling)))
-        return self.factor(HOLD).step(back, self.C.coupling @ back, balance)
+            factor = self.C.ball_compliances[i].factorise_active_pairs(active)
+            self.balls[i] = BallContactState(factor.solve_forces(-gap), active, factor, 0.0)
+        back, balance = self.residuals(np.zeros(len(self.C.mode_compliance)))
+        return self.factorise_newton_equations(HOLD).newton_step(back, self.C.mode_compliance @ back, balance)
 
-    def factor(self, shift: float) -> NewtonFactor:
+    def factorise_newton_equations(self, regularising_stiffness: float) -> NewtonFactor:
         """Assemble and factorise Newton's equations for w and y at the present contact states of the balls.
 
-        ``shift``: stiffness [N/m] that regularises rigid motions which no contact resists.
+        ``regularising_stiffness``: stiffness [N/m] that regularises rigid motions which no contact resists.
 
         With M = U^T D^-1 U = R R^T, U^T D^-1 N = R T, zero between balls, and w eliminated from
 
@@ -591,16 +621,16 @@ class _EnergySystem:
         which makes the matrix positive; the step is Newton's up to negligible terms. Raises numpy.linalg.LinAlgError if G
         is not that of an elastic body.
         """
-        G = self.C.coupling
-        outer, size = shift * np.eye(self.f.size), np.sqrt(G.diagonal())
+        G = self.C.mode_compliance
+        outer, size = regularising_stiffness * np.eye(self.f.size), np.sqrt(G.diagonal())
         traces, answers, loads, starts = [], [], [], [0]
         for i, ball in enumerate(self.balls):
-            if ball.factor is None or not ball.active.any():
+            if ball.compliance_factor is None or not ball.active_pairs.any():
                 continue
             d, n = self.rows[i]
-            c, r = self.C.columns[i], self.C.modes[i].shape[1]
-            columns = np.hstack([self.C.modes[i], n])
-            M = columns.T @ ball.factor.solve(columns)  # zero on the open pairs
+            c, r = self.C.mode_slices_by_ball[i], self.C.modes_by_ball[i].shape[1]
+            columns = np.hstack([self.C.modes_by_ball[i], n])
+            M = columns.T @ ball.compliance_factor.solve_forces(columns)  # zero on the open pairs
             R, T_ball = factorise_at_low_rank(M[:r, :r], M[:r, r:], size[c])
             T = np.zeros((len(T_ball), self.f.size))
             T[:, d] = T_ball
@@ -621,7 +651,7 @@ class _EnergySystem:
 
 
 def solve_contacts_of_all_balls(
-    C: Compliance,
+    C: ContactCompliance,
     gap: Array,
     N: sp.csr_array,
     f: Array,
@@ -659,11 +689,15 @@ def solve_contacts_of_all_balls(
     state : SolverState
         State from which the solution of a similar problem may start.
     """
-    begin = SolverState(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
-    system = _EnergySystem(C, gap, N, f, begin.balls)
-    w, y = system.state_of_touching_pairs(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
+    begin = SolverState(np.zeros(C.mode_compliance.shape[0]), np.zeros(f.size)) if start is None else start
+    system = _ContactEnergyProblem(C, gap, N, f, begin.ball_states)
+    w, y = (
+        system.starting_values_for_touching_pairs(touching)
+        if touching and start is None
+        else (begin.modal_forces.copy(), begin.rigid_motions.copy())
+    )
     phi, back, balance = system.evaluate_energy(w, y)
-    status, iteration, residual, factor, before = "", 0, np.inf, begin.factor, np.inf
+    status, iteration, residual, factor, before = "", 0, np.inf, begin.newton_factor, np.inf
     for iteration in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
         scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
@@ -675,10 +709,10 @@ def solve_contacts_of_all_balls(
         error = max(residual, mismatch)
         kept = factor is not None and error <= KEPT * before
         if factor is None or not kept:
-            factor = system.factor(HOLD * min(1.0, residual))
+            factor = system.factorise_newton_equations(HOLD * min(1.0, residual))
         before = error
-        moved = C.coupling @ back
-        dw, dy = factor.step(back, moved, balance)
+        moved = C.mode_compliance @ back
+        dw, dy = factor.newton_step(back, moved, balance)
         slope = -float(dw @ moved) - float(dy @ balance)
         t, done = 1.0, False
         for _ in range(30):
@@ -699,7 +733,7 @@ def solve_contacts_of_all_balls(
     forces = [ball.forces for ball in system.balls]
     gaps = [
         between + block.compute_opened_gaps(f)
-        for between, block, f in zip(system.gaps_without_local_compliance(w, y), C.blocks, forces, strict=True)
+        for between, block, f in zip(system.gaps_without_local_compliance(w, y), C.ball_compliances, forces, strict=True)
     ]
     result = ContactResult(np.concatenate(forces), np.concatenate(gaps), y, iteration, status, residual)
     return result, SolverState(w, y, system.balls, factor)

@@ -23,13 +23,18 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import compliance_of_single_ball, solve_contacts_of_all_balls
-from rollbench.hifi.contact.hertz import HertzSolution, hertz
+from rollbench.hifi.contact.balls import contact_compliance_of_single_ball, solve_contacts_of_all_balls
+from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, nodal_areas
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.block import BlockMesh, BodyOfInfluence, mesh_block_with_hexahedra, mesh_block_with_tetrahedra
-from rollbench.meshes.fem import freedoms_on_boundaries, nodes_on_boundaries
+from rollbench.meshes.block import (
+    EllipsoidElementSizes,
+    QuarterBlockMesh,
+    mesh_block_with_hexahedra,
+    mesh_block_with_tetrahedra,
+)
+from rollbench.meshes.fem import degrees_of_freedom_on_boundaries, nodes_on_boundaries
 
 #: Number of right-hand sides that are solved at once.
 CHUNK = 128
@@ -48,19 +53,19 @@ class SurfaceCompliance:
     """Compliance between m surface nodes of a quarter of a half-space under normal forces, by finite elements."""
 
     #: Coordinates x, y of the nodes on the surface ``(m, 2)`` [m].
-    places: Array
+    surface_points: Array
     #: Area of the quarter's surface that each node carries ``(m,)`` [m2]; pressure = force / area.
-    areas: Array
+    nodal_areas: Array
     #: Displacement of each node into the body by unit forces, in the half-space ``(m, m)`` [m/N].
-    matrix: Array
+    half_space_compliance: Array
     #: Displacement of each node into the body by unit forces, with the cut faces of the block fixed ``(m, m)`` [m/N].
-    held: Array
+    fixed_block_compliance: Array
     #: Largest difference of `matrix` from its transpose, over its largest entry, before both were averaged.
     asymmetry: float
     #: Number of free degrees of freedom.
-    unknowns: int
+    free_degree_of_freedom_count: int
     #: Time of assembly, factor and solution [s].
-    seconds: dict[str, float]
+    seconds_by_stage: dict[str, float]
 
 
 def boussinesq_displacements(points: Array, sources: Array, young: float, poisson: float) -> Array:
@@ -104,7 +109,7 @@ def boussinesq_displacements(points: Array, sources: Array, young: float, poisso
     return np.asarray((1.0 + poisson) / (2.0 * np.pi * young) * parts)
 
 
-def nodal_contact_areas(mesh: BlockMesh) -> Array:
+def nodal_contact_areas(mesh: QuarterBlockMesh) -> Array:
     """Compute the area of the contact plane that belongs to each node: the integral of the node's shape function.
 
     A uniform pressure loads only the midside nodes of 6-node triangles, not their corners, so that only midside nodes may
@@ -112,7 +117,7 @@ def nodal_contact_areas(mesh: BlockMesh) -> Array:
 
     Parameters
     ----------
-    mesh : BlockMesh
+    mesh : QuarterBlockMesh
         Quarter block.
 
     Returns
@@ -124,16 +129,18 @@ def nodal_contact_areas(mesh: BlockMesh) -> Array:
     return np.where(areas > 1e-6 * areas.max(initial=0.0), areas, 0.0)
 
 
-def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
+def surface_compliance(
+    mesh: QuarterBlockMesh, semi_axes: tuple[float, float], young: float, poisson: float
+) -> SurfaceCompliance:
     """Compute the compliance between surface nodes within an ellipse, for a half-space and for a block with fixed faces.
 
     Both follow from one mesh of a block: its cut faces move as in the half-space, or are fixed.
 
     Parameters
     ----------
-    mesh : BlockMesh
+    mesh : QuarterBlockMesh
         Quarter block.
-    reach : tuple[float, float]
+    semi_axes : tuple[float, float]
         Semi-axes along x, y of the ellipse in which nodes may touch [m].
     young : float
         Young's modulus [Pa].
@@ -153,9 +160,9 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     start = perf_counter()
     matrix = sp.csr_array(assemble_constant_form(elasticity_form(young, poisson), mesh.mesh))
     areas = nodal_contact_areas(mesh)
-    near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
+    near = ((mesh.points[:, :2] / np.array(semi_axes)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
-    cut = freedoms_on_boundaries(mesh.mesh, "cut")
+    cut = degrees_of_freedom_on_boundaries(mesh.mesh, "cut")
     symmetry = np.concatenate(
         [3 * nodes_on_boundaries(mesh.mesh, "x = 0"), 3 * nodes_on_boundaries(mesh.mesh, "y = 0") + 1]
     )
@@ -171,20 +178,20 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         chunk = slice(first, first + CHUNK)
         answer = solve(unit[:, chunk].toarray())
         held[:, chunk], reactions[:, chunk] = unit.T @ answer, rows @ answer
-    full = held - reactions.T @ _half_space_displacements_at_cut(mesh, mesh.points[nodes, :2], young, poisson)
+    full = held - reactions.T @ _half_space_motion_of_cut_faces(mesh, mesh.points[nodes, :2], young, poisson)
     seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
     return SurfaceCompliance(
-        places=mesh.points[nodes, :2],
-        areas=areas[nodes],
-        matrix=0.5 * (full + full.T),
-        held=0.5 * (held + held.T),
+        surface_points=mesh.points[nodes, :2],
+        nodal_areas=areas[nodes],
+        half_space_compliance=0.5 * (full + full.T),
+        fixed_block_compliance=0.5 * (held + held.T),
         asymmetry=float(np.abs(full - full.T).max() / np.abs(full).max()),
-        unknowns=len(free),
-        seconds=seconds,
+        free_degree_of_freedom_count=len(free),
+        seconds_by_stage=seconds,
     )
 
 
-def _half_space_displacements_at_cut(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
+def _half_space_motion_of_cut_faces(mesh: QuarterBlockMesh, sources: Array, young: float, poisson: float) -> Array:
     """Compute how a block's cut faces move in the half-space under unit surface forces ``(3 cut nodes, m)`` [m/N].
 
     ``sources``: coordinates x, y of the m forces in the meshed quarter (m, 2) [m]. Each acts together with its mirror
@@ -197,15 +204,15 @@ def _half_space_displacements_at_cut(mesh: BlockMesh, sources: Array, young: flo
 
 
 @dataclass(frozen=True)
-class HertzJob:
+class HertzProblem:
     """Hertz contact of two bodies of one material to be solved by finite elements: gap x^2/(2 R_x) + y^2/(2 R_y)."""
 
     #: Name of the contact.
     name: str
     #: Relative radius along x [m].
-    radius_x: float
+    relative_radius_x: float
     #: Relative radius along y [m], at most ``radius_x``, so that the long semi-axis lies along x.
-    radius_y: float
+    relative_radius_y: float
     #: Young's modulus [Pa].
     young: float = 210e9
     #: Poisson's ratio.
@@ -214,38 +221,38 @@ class HertzJob:
     load: float = 225.0
 
     @property
-    def exact(self) -> HertzSolution:
+    def hertz_solution(self) -> HertzSolution:
         """Hertz's closed-form solution of the contact."""
-        return hertz(self.load, self.radius_x, self.radius_y, self.young, self.poisson)
+        return solve_hertz(self.load, self.relative_radius_x, self.relative_radius_y, self.young, self.poisson)
 
 
 #: Radii [m] of the ball, of the groove across (x) and of its convex course along (y).
 BALL, GROOVE, ALONG = 2.778e-3, 3.254e-3, 20.56e-3
 #: A: ball on a flat. B: ball in a groove.
 JOBS = {
-    "A": HertzJob("A", BALL, BALL),
-    "B": HertzJob("B", 1.0 / (1.0 / BALL - 1.0 / GROOVE), 1.0 / (1.0 / BALL + 1.0 / ALONG)),
+    "A": HertzProblem("A", BALL, BALL),
+    "B": HertzProblem("B", 1.0 / (1.0 / BALL - 1.0 / GROOVE), 1.0 / (1.0 / BALL + 1.0 / ALONG)),
 }
 
 
 @dataclass(frozen=True)
-class HertzRun:
+class HertzContactSolution:
     """Finite-element solution of a Hertz contact on one mesh, with the closed form for comparison."""
 
     #: Name of the contact.
-    job: str
+    contact_name: str
     #: Element type: P1, P2, Q1 or Q2.
     element: str
     #: Number of cells across the short semi-axis.
     b_over_h: float
     #: Number of free degrees of freedom.
-    unknowns: int
+    free_degree_of_freedom_count: int
     #: Number of nodes that may touch.
-    contact_nodes: int
+    contact_node_count: int
     #: Iterations of Newton's method.
-    iterations: int
+    newton_iteration_count: int
     #: Time of mesh, assembly, factor, solution and contact [s].
-    seconds: dict[str, float]
+    seconds_by_stage: dict[str, float]
     #: Approach [m].
     approach: float
     #: Semi-axis along x [m] of the pressure ellipsoid with the load and the second moments of the nodal forces, semi^2 =
@@ -259,42 +266,48 @@ class HertzRun:
     pole_pressure: float
     #: Pole pressure of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over the
     #: area [Pa].
-    pole_fitted: float
+    fitted_pole_pressure: float
     #: Hertz's closed-form solution of the contact.
-    exact: HertzSolution
+    hertz_solution: HertzSolution
 
     @property
     def total_seconds(self) -> float:
         """Time of all stages [s]."""
-        return sum(self.seconds.values())
+        return sum(self.seconds_by_stage.values())
 
 
 def solve_hertz_contact(
-    job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
-) -> HertzRun:
+    job: HertzProblem,
+    element: str,
+    b_over_h: float,
+    *,
+    relative_block_size: float = SIZE,
+    far_field: bool = True,
+    mesh_scale: float = 1.0,
+) -> HertzContactSolution:
     """Solve a Hertz contact by finite elements, on a mesh that is refined at its contact ellipse.
 
     With growing ``b_over_h`` meshes of one element type become finer everywhere, so that errors can converge.
 
     Parameters
     ----------
-    job : HertzJob
+    job : HertzProblem
         Contact, see `JOBS`.
     element : str
         "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
     b_over_h : float
         Cells across the short semi-axis.
-    size : float, default SIZE
+    relative_block_size : float, default SIZE
         Edge of the block over the long semi-axis.
     far_field : bool, default True
         True: the cut faces of the block move as in the half-space; False: they are fixed.
-    aim : float, default 1.0
+    mesh_scale : float, default 1.0
         Ratio of the semi-axes for which the mesh is made to those of the contact; other values than 1 move the contact's
         edge relative to the mesh.
 
     Returns
     -------
-    HertzRun
+    HertzContactSolution
         Result and closed form.
 
     Raises
@@ -305,32 +318,36 @@ def solve_hertz_contact(
         The contact does not converge, or the stiffness cannot be factored.
     """
     start = perf_counter()
-    a, b = aim * job.exact.semi_x, aim * job.exact.semi_y
+    a, b = mesh_scale * job.hertz_solution.semi_x, mesh_scale * job.hertz_solution.semi_y
     refinement = b_over_h / 4.0
     if element in ("Q1", "Q2"):
         order = int(element[1])
         edge = np.array([a, b, b]) / b_over_h
         core = (1.15 * a, 1.15 * b, 0.0)
-        mesh = mesh_block_with_hexahedra(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
+        mesh = mesh_block_with_hexahedra(
+            order, tuple(edge / order), core, relative_block_size * a, GROWTH ** (1.0 / refinement)
+        )
     elif element in ("P1", "P2"):
-        influence = BodyOfInfluence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
-        mesh = mesh_block_with_tetrahedra(int(element[1]), influence, size * a)
+        influence = EllipsoidElementSizes(
+            b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, relative_block_size * a
+        )
+        mesh = mesh_block_with_tetrahedra(int(element[1]), influence, relative_block_size * a)
     else:
         raise ValueError(f"the element type of a block must be one of P1, P2, Q1, Q2, got {element!r}")
     return solve_hertz_contact_on_mesh(job, mesh, b_over_h, perf_counter() - start, far_field=far_field)
 
 
-def solve_hertz_contact_on_lin_mesh(job: HertzJob) -> HertzRun:
+def solve_hertz_contact_on_lin_mesh(job: HertzProblem) -> HertzContactSolution:
     """Solve a Hertz contact on first-order tetrahedra as in Lin's thesis: edges of 0.08 mm at the contact, 5 mm elsewhere.
 
     Parameters
     ----------
-    job : HertzJob
+    job : HertzProblem
         Contact, see `JOBS`.
 
     Returns
     -------
-    HertzRun
+    HertzContactSolution
         Result and closed form.
 
     References
@@ -340,21 +357,21 @@ def solve_hertz_contact_on_lin_mesh(job: HertzJob) -> HertzRun:
     start = perf_counter()
     radius = SOURCE_RADIUS
     mesh = mesh_block_with_tetrahedra(
-        1, BodyOfInfluence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
+        1, EllipsoidElementSizes(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE
     )
-    return solve_hertz_contact_on_mesh(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start)
+    return solve_hertz_contact_on_mesh(job, mesh, job.hertz_solution.semi_y / SOURCE_FINE, perf_counter() - start)
 
 
 def solve_hertz_contact_on_mesh(
-    job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
-) -> HertzRun:
+    job: HertzProblem, mesh: QuarterBlockMesh, b_over_h: float, seconds: float = 0.0, *, far_field: bool = True
+) -> HertzContactSolution:
     """Solve a Hertz contact on a given mesh of a quarter block.
 
     Parameters
     ----------
-    job : HertzJob
+    job : HertzProblem
         Contact.
-    mesh : BlockMesh
+    mesh : QuarterBlockMesh
         Quarter block.
     b_over_h : float
         Number of cells of the mesh across the short semi-axis.
@@ -365,7 +382,7 @@ def solve_hertz_contact_on_mesh(
 
     Returns
     -------
-    HertzRun
+    HertzContactSolution
         Result and closed form.
 
     Raises
@@ -374,36 +391,36 @@ def solve_hertz_contact_on_mesh(
         The contact does not converge.
     """
     margin = 1.0 + 1.5 / (int(mesh.element[1]) * b_over_h)  # the contact may end one node too far
-    reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
+    reach = (margin * job.hertz_solution.semi_x, margin * job.hertz_solution.semi_y)
     surface = surface_compliance(mesh, reach, job.young, job.poisson)
     start = perf_counter()
-    x, y = surface.places.T
-    gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
-    matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
+    x, y = surface.surface_points.T
+    gap = x**2 / (2.0 * job.relative_radius_x) + y**2 / (2.0 * job.relative_radius_y)
+    matrix = 2.0 * (surface.half_space_compliance if far_field else surface.fixed_block_compliance)  # two bodies
     closing = sp.csr_array(np.ones((len(gap), 1)))
     result, _ = solve_contacts_of_all_balls(
-        compliance_of_single_ball(matrix), gap, closing, np.array([0.25 * job.load])
+        contact_compliance_of_single_ball(matrix), gap, closing, np.array([0.25 * job.load])
     )  # a quarter
     if not result.converged:
         raise ArithmeticError(
             f"Hertz contact {job.name} on a mesh of {mesh.element} elements with {b_over_h:g} cells across its short "
             f"semi-axis: {result.status}"
         )
-    semi, pole, fitted = fit_pressure_ellipsoid(surface.places, surface.areas, result.forces)
-    return HertzRun(
-        job=job.name,
+    semi, pole, fitted = fit_pressure_ellipsoid(surface.surface_points, surface.nodal_areas, result.forces)
+    return HertzContactSolution(
+        contact_name=job.name,
         element=mesh.element,
         b_over_h=b_over_h,
-        unknowns=surface.unknowns,
-        contact_nodes=len(gap),
-        iterations=result.iterations,
-        seconds={"mesh": seconds, **surface.seconds, "contact": perf_counter() - start},
-        approach=float(result.motions[0]),
+        free_degree_of_freedom_count=surface.free_degree_of_freedom_count,
+        contact_node_count=len(gap),
+        newton_iteration_count=result.iterations,
+        seconds_by_stage={"mesh": seconds, **surface.seconds_by_stage, "contact": perf_counter() - start},
+        approach=float(result.rigid_motions[0]),
         semi_x=semi[0],
         semi_y=semi[1],
         pole_pressure=pole,
-        pole_fitted=fitted,
-        exact=job.exact,
+        fitted_pole_pressure=fitted,
+        hertz_solution=job.hertz_solution,
     )
 
 
@@ -424,9 +441,9 @@ def fit_pressure_ellipsoid(places: Array, areas: Array, forces: Array) -> tuple[
     semi : tuple[float, float]
         Semi-axes along both coordinates, from the second moments of the forces [m].
     pole : float
-        Pole pressure from the node nearest the pole, as `HertzRun.pole_pressure` [Pa].
+        Pole pressure from the node nearest the pole, as `HertzContactSolution.pole_pressure` [Pa].
     fitted : float
-        Pole pressure fitted to all nodal pressures by least squares, as `HertzRun.pole_fitted` [Pa].
+        Pole pressure fitted to all nodal pressures by least squares, as `HertzContactSolution.fitted_pole_pressure` [Pa].
     """
     pressure = forces / areas
     squares = 5.0 * (forces @ places**2) / forces.sum()

@@ -30,7 +30,7 @@ class HertzSolution:
     #: Largest pressure p0 [Pa].
     pole_pressure: float
     #: Normal force F [N].
-    load: float
+    normal_force: float
 
     def pressure(self, x: Array, y: Array) -> Array:
         """Compute the contact pressure at points of the contact plane [Pa]; zero outside the ellipse.
@@ -49,13 +49,13 @@ class HertzSolution:
         return np.asarray(self.pole_pressure * np.sqrt(inside))
 
 
-def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: float) -> HertzSolution:
+def solve_hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: float) -> HertzSolution:
     """Solve Hertz's contact of two bodies of one material with the gap x^2/(2 radius_x) + y^2/(2 radius_y).
 
     With m = 1 - b^2/a^2, the pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces a surface of contact modulus E* by p0 b / E*
-    (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_hertz_integrals`. Matching the gap gives the ratio of
-    curvatures D / H, then a^3 = 3 F D / (2 pi E* A) with A = 1/(2 radius_x), and the approach p0 b K / E*. Valid for smooth
-    half-spaces, small strain, no friction, and ellipses not thinner than `THINNEST`.
+    (K - D x^2/a^2 - H y^2/a^2), where K, D, H are the integrals of `_elliptic_integrals`. Matching the gap gives the ratio
+    of curvatures D / H, then a^3 = 3 F D / (2 pi E* A) with A = 1/(2 radius_x), and the approach p0 b K / E*. Valid for
+    smooth half-spaces, small strain, no friction, and ellipses not thinner than `THINNEST`.
 
     Parameters
     ----------
@@ -94,26 +94,26 @@ def hertz(load: float, radius_x: float, radius_y: float, young: float, poisson: 
             f"got {load:.4g} N, {radius_x:.4g} m, {radius_y:.4g} m and {young:.4g} Pa"
         )
     if radius_x < radius_y:
-        turned = hertz(load, radius_y, radius_x, young, poisson)
+        turned = solve_hertz(load, radius_y, radius_x, young, poisson)
         return HertzSolution(turned.approach, turned.semi_y, turned.semi_x, turned.pole_pressure, load)
     modulus = young / (2.0 * (1.0 - poisson**2))
     low = 0.5 / radius_x
-    ratio = _axis_ratio(radius_y / radius_x)
-    k, d, _ = _hertz_integrals(ratio)
+    ratio = _axis_ratio_of_contact_ellipse(radius_y / radius_x)
+    k, d, _ = _elliptic_integrals(ratio)
     a = (1.5 * load * d / (np.pi * modulus * low)) ** (1.0 / 3.0)  # a^3 = 3 F D / (2 pi E* A)
     b = ratio * a
     pole = 1.5 * load / (np.pi * a * b)  # p0 of the semi-ellipsoid with the load F
     return HertzSolution(float(pole * b * k / modulus), float(a), float(b), float(pole), load)
 
 
-def _axis_ratio(curvature_ratio: float) -> float:
+def _axis_ratio_of_contact_ellipse(curvature_ratio: float) -> float:
     """Find the axis ratio b/a of the contact ellipse from the ratio of the relative curvatures along a and b (<= 1)."""
     if curvature_ratio > 1.0 - 1e-15:
         return 1.0
 
     def mismatch_of_curvatures(log_ratio: float) -> float:
         """Return ln(D/H) less the logarithm of the given ratio of curvatures, for the axis ratio b/a = exp(log_ratio)."""
-        _, d, h = _hertz_integrals(float(np.exp(log_ratio)))
+        _, d, h = _elliptic_integrals(float(np.exp(log_ratio)))
         return float(np.log(d / h / curvature_ratio))
 
     thinnest = float(np.log(THINNEST))
@@ -122,7 +122,7 @@ def _axis_ratio(curvature_ratio: float) -> float:
     return float(np.exp(brentq(mismatch_of_curvatures, thinnest, 0.0, xtol=1e-15, rtol=1e-15)))
 
 
-def _hertz_integrals(ratio: float) -> tuple[float, float, float]:
+def _elliptic_integrals(ratio: float) -> tuple[float, float, float]:
     """Compute the elliptic integrals K, D, H of Hertz's theory for a contact ellipse of axis ratio b/a = ``ratio``.
 
     They are the integrals over (0, pi/2) of 1/q, sin^2/q and sin^2/q^3 with q^2 = 1 - m sin^2, m = 1 - ratio^2. So D = (K -

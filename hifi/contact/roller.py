@@ -22,23 +22,28 @@ from time import perf_counter, process_time
 import numpy as np
 import scipy.sparse as sp
 
-from rollbench.hifi.contact.balls import ContactResult, SolverState, compliance_of_single_ball, solve_contacts_of_all_balls
+from rollbench.hifi.contact.balls import (
+    ContactResult,
+    SolverState,
+    contact_compliance_of_single_ball,
+    solve_contacts_of_all_balls,
+)
 from rollbench.hifi.elements.forms import (
     assemble_constant_form,
     elasticity_form,
     face_basis,
-    nodal_share_form,
-    normalise_rows_of_weights,
-    pressure_weights_of_nodes,
+    nodal_volume_form,
+    normalise_weight_rows,
+    pressure_function_integrals,
 )
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.fem import nodes_on_boundaries
 from rollbench.meshes.roller_body import (
+    ExtrudedRollerBody,
     RollerContactZone,
-    SweptBody,
-    build_swept_body,
+    build_extruded_roller_body,
     mesh_section,
     raceway_point_map,
     roller_point_map,
@@ -77,62 +82,62 @@ class CondensedRoller:
     """
 
     #: Row of the roller.
-    row: RollerRow
+    roller_row: RollerRow
     #: Coordinates of the contact zone's nodes along the roller, from its middle ``(m,)`` [m].
-    along: Array
+    positions_along: Array
     #: Coordinates of the contact zone's nodes across the roller, from the plane of symmetry ``(n,)`` [m].
-    across: Array
+    positions_across: Array
     #: Compliance between the pressure functions of the contact with the cup, then of that with the cone
     #: ``(2 m n, 2 m n)`` [m/N].
-    matrix: Array
+    compliance: Array
     #: Gaps of the undeformed bodies at the cup, then at the cone ``(2 m n,)`` [m].
-    gap: Array
+    undeformed_gaps: Array
     #: Gap closed by a unit of the approach of the cup, of the roller's motion towards the cup, and of the roller's tilt
     #: ``(2 m n, 3)``.
-    closing: Array
+    gap_closing_matrix: Array
     #: Areas of the pressure functions ``(m, n)`` [m2], in the half that is meshed.
-    areas: Array
+    nodal_areas: Array
     #: Number of cells of all meshes.
-    cells: int
+    cell_count: int
     #: Number of degrees of freedom of all meshes.
-    unknowns: int
+    degree_of_freedom_count: int
     #: Elapsed time [s].
-    seconds: float
+    elapsed_seconds: float
     #: Processor time [s].
     cpu_seconds: float
 
 
 @dataclass(frozen=True)
-class RollerState:
+class RollerContactSolution:
     """Solution of a roller pressed between its races under one load."""
 
     #: Force of each race on the roller [N].
-    load: float
+    race_force: float
     #: Approach of cup and cone along the normal of the cup's race [m], measured at the depth at which the cone is fixed and
     #: the cup is moved.
     approach: float
     #: Stiffness: derivative of the load by the approach [N/m].
     stiffness: float
     #: Pressures on cup and cone at the nodes of `CondensedRoller.along` and `CondensedRoller.across` ``(2, m, n)`` [Pa].
-    pressure: Array
+    pressures: Array
     #: Loads per length on cup and cone at the nodes of `CondensedRoller.along` ``(2, m)`` [N/m].
-    line_load: Array
+    line_loads: Array
     #: Largest difference between the resultant of a race's pressures and the load, over the load.
-    imbalance: float
+    load_imbalance: float
     #: Elapsed time [s].
-    seconds: float
+    elapsed_seconds: float
     #: Processor time [s].
     cpu_seconds: float
 
     @property
-    def middle_pressure(self) -> Array:
+    def largest_pressure_at_middle(self) -> Array:
         """Largest contact pressure with cup and with cone at the middle of the roller's length ``(2,)`` [Pa]."""
-        return np.asarray(self.pressure[:, self.pressure.shape[1] // 2].max(axis=1))
+        return np.asarray(self.pressures[:, self.pressures.shape[1] // 2].max(axis=1))
 
     @property
-    def middle_line_load(self) -> Array:
+    def line_load_at_middle(self) -> Array:
         """Load per length with cup and with cone at the middle of the roller's length ``(2,)`` [N/m]."""
-        return np.asarray(self.line_load[:, self.line_load.shape[1] // 2])
+        return np.asarray(self.line_loads[:, self.line_loads.shape[1] // 2])
 
 
 def contact_half_width(row: RollerRow, load: float) -> float:
@@ -178,15 +183,15 @@ def _axial_cell_boundaries(row: RollerRow, cells: int, load: float) -> tuple[Arr
         end = min(FILLET * r, 2.0 * contact_half_width(row, load) * np.sqrt(2.0 * r / row.diameter))
         step, touch = end / (cells // 2), half + end
         lines = np.concatenate(
-            [half - _growing_boundaries(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)]
+            [half - _growing_cell_boundaries(step, half, cells)[::-1], half + step * np.arange(1, cells // 2 + 1)]
         )
         if FILLET * r > end:
             lines = np.append(lines, half + FILLET * r)
-    far = lines[-1] + _growing_boundaries(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
+    far = lines[-1] + _growing_cell_boundaries(float(lines[-1] - lines[-2]), BEYOND * row.depth, cells // 2)[1:]
     return np.concatenate([-lines[:0:-1], lines]), float(touch), far
 
 
-def _growing_boundaries(first: float, length: float, cells: int) -> Array:
+def _growing_cell_boundaries(first: float, length: float, cells: int) -> Array:
     """Return the boundaries ``(cells + 1,)`` from 0 to ``length`` [m] of cells whose sizes grow by a constant ratio.
 
     ``first``: size of the first cell [m]; ``cells``: number of cells.
@@ -238,42 +243,44 @@ def condense_roller(row: RollerRow, cells: int, load: float) -> CondensedRoller:
     reach = (middle - touch, middle + touch)
     radius = 0.5 * row.diameter
     shape = roller_point_map(radius, row.roller_angle, lambda along: crown_and_end_rounding_depths(row, along - middle)[1])
-    roller = build_swept_body(
-        mesh_section(zone, radius, radius, round=True), zone, middle + lines, reach, shape, round=True
+    roller = build_extruded_roller_body(
+        mesh_section(zone, radius, radius, is_roller=True), zone, middle + lines, reach, shape, is_roller=True
     )
     angles = (row.cup_angle, row.cup_angle - 2.0 * row.roller_angle)
     rings = []
     longer = middle + np.concatenate([-far[::-1], lines, far])
     for angle, outward in zip(angles, (1.0, -1.0), strict=True):
         width = middle * np.sin(angle) * np.sin(share_of)
-        flat = mesh_section(zone, width, row.depth, round=False)
+        flat = mesh_section(zone, width, row.depth, is_roller=False)
         rings.append(
-            build_swept_body(flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0)
+            build_extruded_roller_body(
+                flat, zone, longer, reach, raceway_point_map(middle, angle, outward), mirrored=outward > 0.0
+            )
         )
     law = elasticity_form(row.material.youngs_modulus, row.material.poissons_ratio)
-    S, A = (roller_compliance(roller, law, even=even) for even in (True, False))
+    S, A = (roller_compliance(roller, law, symmetric_loads=even) for even in (True, False))
     own = [race_compliance(ring, law, share_of) for ring in rings]
     same, other = 0.5 * (S + A), 0.5 * (S - A)
     matrix = np.block([[same + own[0], other], [other, same + own[1]]])
-    along, across = roller.along - middle, roller.across
+    along, across = roller.distances_from_apex - middle, roller.distances_from_contact_line
     x, y = np.repeat(along, len(across)), np.tile(across, len(along))
     place = middle + x
     sag = [_distance_from_tangent_plane(place, y * place / middle, angle) for angle in (row.roller_angle, *angles)]
     crown, edge = crown_and_end_rounding_depths(row, x)
     gap = np.concatenate([sag[0] - sag[1], sag[0] + sag[2]]) + np.tile(crown + edge, 2)
-    areas = np.asarray(pressure_weights_of_nodes(roller.mesh, roller.contact.ravel()).sum(axis=1)).ravel()
+    areas = np.asarray(pressure_function_integrals(roller.mesh, roller.contact_nodes.ravel()).sum(axis=1)).ravel()
     meshes = (roller, *rings)
     return CondensedRoller(
-        row=row,
-        along=along,
-        across=across,
-        matrix=matrix,
-        gap=gap,
-        closing=_gap_closing_by_unit_motions(roller, rings[0], middle * np.cos(row.roller_angle)),
-        areas=areas.reshape(len(along), -1),
-        cells=sum(len(one.cells) for one in meshes),
-        unknowns=sum(3 * len(one.points) for one in meshes),
-        seconds=perf_counter() - wall,
+        roller_row=row,
+        positions_along=along,
+        positions_across=across,
+        compliance=matrix,
+        undeformed_gaps=gap,
+        gap_closing_matrix=_gap_closing_matrix(roller, rings[0], middle * np.cos(row.roller_angle)),
+        nodal_areas=areas.reshape(len(along), -1),
+        cell_count=sum(len(one.cells) for one in meshes),
+        degree_of_freedom_count=sum(3 * len(one.points) for one in meshes),
+        elapsed_seconds=perf_counter() - wall,
         cpu_seconds=process_time() - cpu,
     )
 
@@ -288,36 +295,36 @@ def _distance_from_tangent_plane(along: Array, across: Array, angle: float) -> A
     return np.asarray(radius * np.cos(angle) * (1.0 - np.sqrt(1.0 - (across / radius) ** 2)))
 
 
-def _nodal_forces_of_pressure_functions(body: SweptBody) -> sp.csr_array:
+def _nodal_forces_of_pressure_functions(body: ExtrudedRollerBody) -> sp.csr_array:
     """Assemble the nodal forces of unit loads on a contact zone: one row for each basis function of the contact pressure.
 
     ``body``: mesh of a quarter of the roller or of half a race; the loads press into it, along the normals of its contact
     zone.
     """
-    contact = body.contact.ravel()
-    W = normalise_rows_of_weights(pressure_weights_of_nodes(body.mesh, contact)).tocoo()
-    normal = body.inward.reshape(-1, 3)[W.col]
+    contact = body.contact_nodes.ravel()
+    W = normalise_weight_rows(pressure_function_integrals(body.mesh, contact)).tocoo()
+    normal = body.inward_normals.reshape(-1, 3)[W.col]
     rows, columns = np.repeat(W.row, 3), (3 * contact[W.col][:, None] + np.arange(3)).ravel()
     return sp.csr_array(((W.data[:, None] * normal).ravel(), (rows, columns)), (len(contact), 3 * len(body.points)))
 
 
-def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
+def roller_compliance(body: ExtrudedRollerBody, elasticity: object, *, symmetric_loads: bool) -> Array:
     """Compute the compliance between the m n contact nodes of a quarter roller ``(m n, m n)`` [m/N].
 
-    ``body``: mesh of the quarter; ``law``: bilinear form of linear elasticity; ``even``: whether the loads of cup and cone
-    are equal, symmetric about the plane between both contacts; otherwise they are opposite.
+    ``body``: mesh of the quarter; ``elasticity``: bilinear form of linear elasticity; ``symmetric_loads``: whether the
+    loads of cup and cone are equal, symmetric about the plane between both contacts; otherwise they are opposite.
     """
-    K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
     side, points = nodes_on_boundaries(body.mesh, "side"), body.points
     axis = np.intersect1d(side, nodes_on_boundaries(body.mesh, "y = 0"))
     ends = axis[[points[axis, 2].argmin(), points[axis, 2].argmax()]]
     held = [3 * nodes_on_boundaries(body.mesh, "y = 0") + 1]
-    if even:
+    if symmetric_loads:
         held += [3 * side, 3 * ends[1:] + 2]
         along = np.zeros(3 * len(points))
         along[2::3] = 1.0
         thrust = np.zeros(3 * len(points))
-        thrust[2::3] = nodal_share_form().assemble(face_basis(body.mesh, "end"))
+        thrust[2::3] = nodal_volume_form().assemble(face_basis(body.mesh, "end"))
         rows = sp.vstack([rows, sp.csr_array(thrust[None] / thrust.sum())]).tocsr()
         carried = -(rows[:-1] @ along)  # force of the rib, even over the large end
         change = np.column_stack([np.eye(len(carried)), carried])
@@ -329,15 +336,15 @@ def roller_compliance(body: SweptBody, law: object, *, even: bool) -> Array:
     return np.asarray(change @ found @ change.T)
 
 
-def race_compliance(body: SweptBody, law: object, half: float) -> Array:
+def race_compliance(body: ExtrudedRollerBody, elasticity: object, sector_angle: float) -> Array:
     """Compute the compliance between the m n contact nodes of one race, cup or cone ``(m n, m n)`` [m/N].
 
-    ``body``: mesh of half the sector of the race that belongs to one roller; ``law``: bilinear form of linear elasticity;
-    ``half``: angle of the meshed sector about the bearing's axis [rad].
+    ``body``: mesh of half the sector of the race that belongs to one roller; ``elasticity``: bilinear form of linear
+    elasticity; ``sector_angle``: angle of the meshed sector about the bearing's axis [rad].
     """
-    K, rows = assemble_constant_form(law, body.mesh), _nodal_forces_of_pressure_functions(body)
+    K, rows = assemble_constant_form(elasticity, body.mesh), _nodal_forces_of_pressure_functions(body)
     side = nodes_on_boundaries(body.mesh, "side")
-    turn = np.ones((2, len(side))) * np.array([[np.cos(half)], [np.sin(half)]])
+    turn = np.ones((2, len(side))) * np.array([[np.cos(sector_angle)], [np.sin(sector_angle)]])
     x, y = 3 * side, 3 * side + 1
     rest = np.setdiff1d(np.arange(K.shape[0]), np.concatenate([x, y]))
     at = (np.concatenate([rest, x, x, y, y]), np.concatenate([rest, x, y, x, y]))
@@ -349,16 +356,16 @@ def race_compliance(body: SweptBody, law: object, half: float) -> Array:
     return symmetric_compliance_of_loads(K[free][:, free], rows[:, free])
 
 
-def _gap_closing_by_unit_motions(roller: SweptBody, cup: SweptBody, middle: float) -> Array:
+def _gap_closing_matrix(roller: ExtrudedRollerBody, cup: ExtrudedRollerBody, middle_from_apex: float) -> Array:
     """Return the gap closed at each contact node by three unit motions ``(2 m n, 3)``, nodes of the cup's contact first.
 
     The motions are the approach of the cup, the translation of the roller towards the cup, and the tilt of the roller.
-    ``middle``: distance of the roller's middle from the apex, along the roller's axis [m].
+    ``middle_from_apex``: distance of the roller's middle from the apex, along the roller's axis [m].
     """
-    n = -roller.inward.reshape(-1, 3)
-    arm = roller.points[roller.contact.ravel()]
-    moves = np.column_stack([n[:, 0], n[:, 0] * (arm[:, 2] - middle) - n[:, 2] * arm[:, 0]])
-    normal = cup.inward.reshape(-1, 3)
+    n = -roller.inward_normals.reshape(-1, 3)
+    arm = roller.points[roller.contact_nodes.ravel()]
+    moves = np.column_stack([n[:, 0], n[:, 0] * (arm[:, 2] - middle_from_apex) - n[:, 2] * arm[:, 0]])
+    normal = cup.inward_normals.reshape(-1, 3)
     approach = normal @ normal[0]
     nothing = np.zeros_like(approach)
     return np.column_stack([np.concatenate([approach, nothing]), np.concatenate([moves, -moves])])
@@ -371,7 +378,7 @@ SHARP = "add the rollers' edge_radius, or a crown with which the contact ends be
 STEP = 0.01
 
 
-def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerState:
+def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerContactSolution:
     """Solve the contacts of a roller pressed between its races: approach, pressures, and stiffness by finite differences.
 
     Parameters
@@ -383,7 +390,7 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
 
     Returns
     -------
-    RollerState
+    RollerContactSolution
         Approach, stiffness and pressures.
 
     Raises
@@ -392,36 +399,39 @@ def press_roller_between_races(bodies: CondensedRoller, load: float) -> RollerSt
         The contact does not converge, or reaches a sharp end of the roller or the end of the contact zone.
     """
     wall, cpu = perf_counter(), process_time()
-    C, N = compliance_of_single_ball(bodies.matrix), sp.csr_array(bodies.closing)
+    C, N = contact_compliance_of_single_ball(bodies.compliance), sp.csr_array(bodies.gap_closing_matrix)
     found: list[ContactResult] = []
     state: SolverState | None = None
     for factor in (1.0 - STEP, 1.0 + STEP, 1.0):
         result, state = solve_contacts_of_all_balls(
-            C, bodies.gap, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
+            C, bodies.undeformed_gaps, N, np.array([0.5 * factor * load, 0.0, 0.0]), start=state
         )
         if not result.converged:
             raise RollerError(
                 f"the roller's contact did not converge: {result.status}", "change the load or the mesh level"
             )
         found.append(result)
-    forces = found[2].forces.reshape(2, *bodies.areas.shape)
+    forces = found[2].forces.reshape(2, *bodies.nodal_areas.shape)
     touched = forces > 0.0
-    if touched[:, [0, -1]].any() and bodies.row.edge_radius is None:
+    if touched[:, [0, -1]].any() and bodies.roller_row.edge_radius is None:
         raise RollerError(
             "the roller touches its races with its sharp ends, at which the contact pressure is infinite", SHARP
         )
     if touched[:, [0, -1]].any() or touched[:, :, -1].any():
         reason = "the roller touches its races outside the contact zone of the mesh"
         raise RollerError(reason, "increase the rollers' edge_radius, or decrease the load")
-    widths = np.concatenate([[0.0], np.diff(bodies.along)]) / 2.0 + np.concatenate([np.diff(bodies.along), [0.0]]) / 2.0
-    total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.areas.size)
-    return RollerState(
-        load=load,
-        approach=float(found[2].motions[0]),
-        stiffness=float(2.0 * STEP * load / (found[1].motions[0] - found[0].motions[0])),
-        pressure=forces / bodies.areas,
-        line_load=2.0 * forces.sum(axis=2) / widths,
-        imbalance=float(np.abs(total / load - 1.0).max()),
-        seconds=perf_counter() - wall,
+    widths = (
+        np.concatenate([[0.0], np.diff(bodies.positions_along)]) / 2.0
+        + np.concatenate([np.diff(bodies.positions_along), [0.0]]) / 2.0
+    )
+    total = 2.0 * forces.reshape(2, -1) @ np.ones(bodies.nodal_areas.size)
+    return RollerContactSolution(
+        race_force=load,
+        approach=float(found[2].rigid_motions[0]),
+        stiffness=float(2.0 * STEP * load / (found[1].rigid_motions[0] - found[0].rigid_motions[0])),
+        pressures=forces / bodies.nodal_areas,
+        line_loads=2.0 * forces.sum(axis=2) / widths,
+        load_imbalance=float(np.abs(total / load - 1.0).max()),
+        elapsed_seconds=perf_counter() - wall,
         cpu_seconds=process_time() - cpu,
     )

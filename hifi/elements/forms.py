@@ -104,7 +104,7 @@ def elasticity_form(young: float, poisson: float) -> Any:
     return BilinearForm(energy)
 
 
-def nodal_share_form(axis: int | None = None) -> Any:
+def nodal_volume_form(axis: int | None = None) -> Any:
     """Return the linear form int N_i dA or int N_i dV, by which each node i gets its share of an area or volume.
 
     Parameters
@@ -135,7 +135,7 @@ _DEGREE = {ElementTetP1: 1, ElementHex1: 3, ElementHex2: 5}
 _FACE_DEGREE = {3: 5, 4: 7}
 
 
-class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
+class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
     """Isoparametric map of scikit-fem that locates face points in their cells without Newton's method, and caches results.
 
     It shortens an assembly by a fifth to a third. The position of a face's point in its cell follows from the corners of
@@ -292,21 +292,21 @@ def cell_basis(mesh: Mesh, **options: Any) -> Basis:
     """
     defaults = {
         "quadrature": stiffness_quadrature(mesh),
-        "mapping": CurvedMap(mesh),
+        "mapping": CachedIsoparametricMap(mesh),
         "dofs": mesh.dofs,
         "disable_doflocs": True,
     }
     return Basis(mesh, mesh.elem(), **{**defaults, **options})
 
 
-def face_basis(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
+def face_basis(mesh: Mesh, boundary: str, *, element: Any = None, **options: Any) -> FacetBasis:
     """Create the scalar finite-element space on a named boundary of a mesh.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
-    name : str
+    boundary : str
         Name of the boundary.
     element : Any, default None
         Element of the space; None: the element of the mesh.
@@ -319,12 +319,12 @@ def face_basis(mesh: Mesh, name: str, *, element: Any = None, **options: Any) ->
         The space.
     """
     defaults = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
-    defaults |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
+    defaults |= {"mapping": CachedIsoparametricMap(mesh)} if "mapping" not in options else {}
     defaults |= {"dofs": mesh.dofs} if element is None else {}
-    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**defaults, **options})
+    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=boundary, **{**defaults, **options})
 
 
-def mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
+def face_mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
     """Assemble the mass matrix int v_i u_j dA between the shape functions of two scalar spaces on the same faces.
 
     Parameters
@@ -344,7 +344,7 @@ def mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
     return sp.csr_array((local.ravel(), at), (v.N, u.N))
 
 
-def nodal_areas(mesh: Mesh, name: str) -> Array:
+def nodal_areas(mesh: Mesh, boundary: str) -> Array:
     """Compute the consistent nodal areas of a boundary: integrals of the shape functions over its curved faces.
 
     Their sum is the area. The areas of the corner nodes of flat 6-node triangles vanish: these nodes carry no contact
@@ -354,7 +354,7 @@ def nodal_areas(mesh: Mesh, name: str) -> Array:
     ----------
     mesh : Mesh
         The mesh.
-    name : str
+    boundary : str
         Name of the boundary.
 
     Returns
@@ -362,10 +362,10 @@ def nodal_areas(mesh: Mesh, name: str) -> Array:
     (n,) Array
         Areas of all nodes [m2].
     """
-    return np.asarray(nodal_share_form().assemble(face_basis(mesh, name)))
+    return np.asarray(nodal_volume_form().assemble(face_basis(mesh, boundary)))
 
 
-def form_coefficients(form: Any) -> Array:
+def constant_coefficients_of_form(form: Any) -> Array:
     """Extract the constant coefficients c_ikjl of a bilinear form int c_ikjl u_i,k v_j,l dV.
 
     Parameters
@@ -403,7 +403,7 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
     mesh : Mesh
         The mesh of n nodes.
     mapping : Any, default None
-        Map of its cells; None: `CurvedMap`.
+        Map of its cells; None: `CachedIsoparametricMap`.
 
     Returns
     -------
@@ -415,12 +415,12 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
     ValueError
         A cell is turned inside out at a quadrature point, or the form depends on more than gradients.
     """
-    c = form_coefficients(form).transpose(0, 2, 1, 3).reshape(9, 9)
+    c = constant_coefficients_of_form(form).transpose(0, 2, 1, 3).reshape(9, 9)
     nodes = np.asarray(mesh.dofs.element_dofs.T)
     count, n = mesh.doflocs.shape[1], nodes.shape[1]
     graph = _node_graph(nodes, count)
     blocks = np.zeros((9, graph.nnz))
-    points, mapping = stiffness_quadrature(mesh), mapping or CurvedMap(mesh)
+    points, mapping = stiffness_quadrature(mesh), mapping or CachedIsoparametricMap(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
         chunk = np.arange(first, min(first + step, len(nodes)))
@@ -497,7 +497,7 @@ def quarter_square_quadrature(refdom: Any, degree: int) -> tuple[Array, Array]:
     return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * weights, 4)
 
 
-def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
+def pressure_function_integrals(mesh: Mesh, contact: Index) -> sp.csr_array:
     """Compute the integrals W_ki = int phat_k N_i dA over the contact zone, the boundary "contact" of a mesh.
 
     phat_k are the nodal basis functions of the contact pressure, N_i the shape functions of the displacement. W gives nodal
@@ -519,21 +519,21 @@ def pressure_weights_of_nodes(mesh: Mesh, contact: Index) -> sp.csr_array:
         Weights W [m2]: pressure functions as rows, shape functions of the displacement as columns.
     """
     if mesh.elem is not ElementHex2:
-        return sp.csr_array(sp.diags_array(nodal_share_form().assemble(face_basis(mesh, "contact"))[contact]))
+        return sp.csr_array(sp.diags_array(nodal_volume_form().assemble(face_basis(mesh, "contact"))[contact]))
     rule = quarter_square_quadrature(mesh.brefdom, 7)
     u = face_basis(mesh, "contact", quadrature=rule)
     p = face_basis(mesh, "contact", element=ElementHexPressure(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
-    W = mass_matrix(u, p)
+    W = face_mass_matrix(u, p)
     return sp.csr_array(W[contact][:, contact])
 
 
-def normalise_rows_of_weights(weights: sp.csr_array) -> sp.csr_array:
+def normalise_weight_rows(weights: sp.csr_array) -> sp.csr_array:
     """Scale each row of a weight matrix to the sum one, so that it gives weighted means instead of integrals.
 
     Parameters
     ----------
     weights : (c, c) sparse array
-        Weights of c pressure basis functions (rows) at nodal values (columns) [m2], of `pressure_weights_of_nodes`.
+        Weights of c pressure basis functions (rows) at nodal values (columns) [m2], of `pressure_function_integrals`.
 
     Returns
     -------

@@ -37,12 +37,12 @@ def nodal_displacements_of_rigid_motions(points: Array, centre: Array | None = N
     return modes.reshape(-1, 6)
 
 
-def rigid_motion_transfer_matrix(arm: float) -> Array:
+def rigid_motion_transfer_along_z(distance: float) -> Array:
     """Return the matrix that gives the motion of one point on the z axis from that of another, for a small rigid motion.
 
     Parameters
     ----------
-    arm : float
+    distance : float
         Position z of the first point less that of the second [m].
 
     Returns
@@ -56,5 +56,5 @@ def rigid_motion_transfer_matrix(arm: float) -> Array:
     [0.0005, 0.0, 0.0, 0.0, 0.001, 0.0]
     """
     t = np.eye(6)
-    t[0, 4], t[1, 3] = arm, -arm
+    t[0, 4], t[1, 3] = distance, -distance
     return t

@@ -12,31 +12,37 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rollbench.hifi.bodies.coarse import Socket
+from rollbench.hifi.bodies.coarse import BodySocket
 from rollbench.hifi.bodies.patch import (
-    PatchLines,
+    PatchCellBoundaries,
     PatchMesh,
     fit_tetrahedral_patch,
-    graded_boundaries,
-    growing_boundaries,
+    graded_cell_boundaries,
+    growing_cell_boundaries,
     mesh_hexahedral_patch,
 )
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.ball_body import (
-    BallBody,
-    BallSocket,
-    ball_socket_depth,
-    mesh_ball_with_sockets,
-    points_in_ball_socket,
+    BallRefinementBox,
+    CoarseBallMesh,
+    depth_of_ball_refinement_box,
+    mesh_ball_with_refinement_boxes,
+    points_in_ball_refinement_box,
 )
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
-from rollbench.meshes.grooved_body import GroovedBody, mesh_grooved_body
+from rollbench.meshes.grooved_body import CoarseGroovedBodyMesh, mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
-from rollbench.meshes.sockets import ZONE, SocketMesh, SocketSize, largest_fitting_socket, unrolled_socket_centre
+from rollbench.meshes.sockets import (
+    ZONE,
+    RefinementBoxFaces,
+    RefinementBoxSize,
+    largest_fitting_refinement_box,
+    unrolled_nominal_contact_point,
+)
 from rollbench.meshes.solid import Dimensions
 from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_thesis
 
@@ -50,23 +56,23 @@ TIGHT = 4.0
 AROUND = 73
 
 
-def choose_patch_lines(
-    settings: Settings, width: tuple[float, float], deep: float
-) -> tuple[PatchLines, tuple[float, float]]:
+def choose_patch_cells(
+    settings: Settings, half_widths: tuple[float, float], deep: float
+) -> tuple[PatchCellBoundaries, tuple[float, float]]:
     """Choose the cell boundaries of the fine mesh (patch) around a contact, and the size of its contact zone.
 
     Parameters
     ----------
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
-    width : tuple[float, float]
+    half_widths : tuple[float, float]
         Half widths of the socket that the patch fills, across and along the groove [m].
     deep : float
         Depth of the socket [m].
 
     Returns
     -------
-    lines : PatchLines
+    lines : PatchCellBoundaries
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
         Half widths of the contact zone across and along the groove, over those of the socket.
@@ -77,18 +83,18 @@ def choose_patch_lines(
     zone_a, zone_b = MARGIN[0] * wide, MARGIN[1] * long
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
-    zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
+    zone = (float(min(zone_a / half_widths[0], ZONE)), float(min(zone_b / half_widths[1], ZONE)))
     # near an edge, where the zone is hardly larger than the contact, smaller cells keep the outermost nodes outside
-    cell_a = min(cell_a, max(4.0 * (zone[0] * width[0] - wide), cell_a / TIGHT))
-    across = graded_boundaries(zone[0], cell_a / width[0], settings.growth)
-    along = graded_boundaries(zone[1], cell_b / width[1], settings.growth)
-    depth = growing_boundaries(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
-    return PatchLines(across, depth, along), zone
+    cell_a = min(cell_a, max(4.0 * (zone[0] * half_widths[0] - wide), cell_a / TIGHT))
+    across = graded_cell_boundaries(zone[0], cell_a / half_widths[0], settings.growth)
+    along = graded_cell_boundaries(zone[1], cell_b / half_widths[1], settings.growth)
+    depth = growing_cell_boundaries(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
+    return PatchCellBoundaries(across, depth, along), zone
 
 
 def choose_socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
-) -> SocketSize:
+) -> RefinementBoxSize:
     """Choose the size of the sockets: boxes in the coarse meshes, filled by fine ones, into which the contact ellipses fit.
 
     Parameters
@@ -108,7 +114,7 @@ def choose_socket_size(
 
     Returns
     -------
-    SocketSize
+    RefinementBoxSize
         Size of the sockets.
 
     Raises
@@ -117,10 +123,12 @@ def choose_socket_size(
         The parts leave no room for the sockets.
     """
     nut, position = scene.nut, scene.nut.position
-    low, high = dims.ends(scene)
+    low, high = dims.ends_of_meshed_screw(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
     radii = (scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0)
-    return replace(largest_fitting_socket(m, layout, sides, *radii, ends, settings.reach), cuts=settings.cuts)
+    return replace(
+        largest_fitting_refinement_box(m, layout, sides, *radii, ends, settings.reach), edge_divisions=settings.cuts
+    )
 
 
 def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across: Array, along: Array) -> float:
@@ -148,13 +156,13 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
     turn = np.linspace(0.0, 2.0 * np.pi, AROUND)
     gamma = angle[:, None] + across[:, None] / float(m.radius[side]) * np.cos(turn)
     r, _, psi = m.section_to_unrolled(*m.polar_to_section(side, gamma, np.array(m.radius[side])))
-    ahead = psi - unrolled_socket_centre(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
+    ahead = psi - unrolled_nominal_contact_point(m, side)[2] + along[:, None] * np.sin(turn) / np.hypot(r, m.rg)
     return float(m.R * np.abs(ahead).max(initial=0.0))
 
 
 def ball_socket_and_map(
-    m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
-) -> tuple[BallSocket, Callable[[Array], Array]]:
+    m: GrooveMap, groove_socket_size: RefinementBoxSize, side: int, zone: tuple[float, float]
+) -> tuple[BallRefinementBox, Callable[[Array], Array]]:
     """Return the ball's socket (box for the fine mesh) at a flank, and the function that maps local coordinates into it.
 
     In the contact zone the map places the ball's nodes exactly opposite to those of the groove.
@@ -163,7 +171,7 @@ def ball_socket_and_map(
     ----------
     m : GrooveMap
         Geometry of the track.
-    size : SocketSize
+    groove_socket_size : RefinementBoxSize
         Size of the groove's socket.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -172,13 +180,13 @@ def ball_socket_and_map(
 
     Returns
     -------
-    socket : BallSocket
+    socket : BallRefinementBox
         Socket of the ball.
     place : callable
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m] in the ball's frame.
     """
-    socket = BallSocket(side, size, ball_socket_depth(m, size, side), zone[1])
-    return socket, partial(points_in_ball_socket, m, socket)
+    socket = BallRefinementBox(side, groove_socket_size, depth_of_ball_refinement_box(m, groove_socket_size, side), zone[1])
+    return socket, partial(points_in_ball_refinement_box, m, socket)
 
 
 #: Edges [m] of first-order tetrahedra at a patch's rim, tried one by one; long ones may be turned inside out in space.
@@ -196,42 +204,48 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 
 @dataclass(frozen=True)
-class Sockets:
+class FlankSockets:
     """Sockets of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
 
     #: Faces of the groove's socket.
-    groove: SocketMesh
+    groove_socket: RefinementBoxFaces
     #: Faces of the ball's socket.
-    ball: SocketMesh
+    ball_socket: RefinementBoxFaces
     #: Size of the groove's socket.
-    size: SocketSize
+    socket_size: RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the socket.
-    zone: tuple[float, float]
+    relative_zone_size: tuple[float, float]
     #: Half widths of the socket across and along the groove [m].
-    widths: tuple[float, float]
+    half_widths: tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Meshes:
+class PartMeshes:
     """Coarse meshes of screw, nut and ball of one geometry."""
 
     #: Coarse screw.
-    screw: GroovedBody
+    screw_mesh: CoarseGroovedBodyMesh
     #: Coarse nut.
-    nut: GroovedBody
+    nut_mesh: CoarseGroovedBodyMesh
     #: Coarse ball.
-    ball: BallBody
+    ball_mesh: CoarseBallMesh
     #: Size of the grooves' sockets.
-    size: SocketSize
+    socket_size: RefinementBoxSize
     #: Half widths of the contact zone across and along the groove, over those of the socket.
-    zone: tuple[float, float]
+    relative_zone_size: tuple[float, float]
     #: Half widths of the sockets across and along the groove [m].
-    widths: tuple[float, float]
+    half_widths: tuple[float, float]
 
-    def sockets(self, side: int) -> Sockets:
+    def sockets_of_flank(self, side: int) -> FlankSockets:
         """Return the sockets of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
-        body = self.screw if side < 2 else self.nut
-        return Sockets(body.sockets[side], self.ball.sockets[side], self.size, self.zone, self.widths)
+        body = self.screw_mesh if side < 2 else self.nut_mesh
+        return FlankSockets(
+            body.box_faces[side],
+            self.ball_mesh.box_faces[side],
+            self.socket_size,
+            self.relative_zone_size,
+            self.half_widths,
+        )
 
 
 def mesh_parts(
@@ -242,7 +256,7 @@ def mesh_parts(
     sides: tuple[int, ...],
     settings: Settings,
     cache: Cache | None = None,
-) -> Meshes:
+) -> PartMeshes:
     """Mesh screw, nut and one ball of a ball screw or bearing.
 
     Parameters
@@ -273,13 +287,13 @@ def mesh_parts(
         There is no room for a socket, or gmsh finds no good mesh.
     """
     cache = cache or Cache(None)
-    recipes, gather = list_mesh_calls(scene, m, layout, dims, sides, settings)
+    recipes, gather = list_part_mesh_calls(scene, m, layout, dims, sides, settings)
     return gather(*(cache.get(*recipe) for recipe in recipes))
 
 
-def list_mesh_calls(
+def list_part_mesh_calls(
     scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings
-) -> tuple[list[Recipe], Callable[..., Meshes]]:
+) -> tuple[list[Recipe], Callable[..., PartMeshes]]:
     """List the function calls that mesh screw, nut and one ball, which can run in parallel.
 
     The second result is a function that collects the three meshes.
@@ -308,22 +322,28 @@ def list_mesh_calls(
     """
     size = choose_socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    _, zone = choose_patch_lines(settings, widths, size.depth)
+    _, zone = choose_patch_cells(settings, widths, size.depth)
     nut, middle = scene.nut, scene.nut.position
     ends = (middle - nut.length / 2.0, middle + nut.length / 2.0)
-    on_screw, on_nut = (contacts_on_body(layout, sides, screw) for screw in (True, False))
+    on_screw, on_nut = (contact_positions_on_body(layout, sides, screw) for screw in (True, False))
     cells = (settings.fine, settings.coarse)
-    screw_spec = BodySpec(dims.hole, scene.screw.outer_diameter / 2.0, *dims.ends(scene), True, on_screw, size, *cells)
-    nut_spec = BodySpec(
+    screw_spec = GroovedBodySpec(
+        dims.hole, scene.screw.outer_diameter / 2.0, *dims.ends_of_meshed_screw(scene), True, on_screw, size, *cells
+    )
+    nut_spec = GroovedBodySpec(
         dims.land, nut.outer_diameter / 2.0, *ends, False, on_nut, size, *cells, dims.groove_ends, nut.flange
     )
     sockets = tuple(ball_socket_and_map(m, size, s, zone)[0] for s in sides)
-    bodies: list[Recipe] = [(mesh_grooved_body, (m, spec), GroovedBody) for spec in (screw_spec, nut_spec)]
-    ball = (mesh_ball_with_sockets, (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts), BallBody)
-    return [*bodies, ball], partial(Meshes, size=size, zone=zone, widths=widths)
+    bodies: list[Recipe] = [(mesh_grooved_body, (m, spec), CoarseGroovedBodyMesh) for spec in (screw_spec, nut_spec)]
+    ball = (
+        mesh_ball_with_refinement_boxes,
+        (m, sockets, settings.ball_fine, settings.ball_coarse, size.edge_divisions),
+        CoarseBallMesh,
+    )
+    return [*bodies, ball], partial(PartMeshes, socket_size=size, relative_zone_size=zone, half_widths=widths)
 
 
-def contacts_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
+def contact_positions_on_body(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
     """List the contacts of all balls on the screw, or on the nut, each as its azimuth, axial position and flank.
 
     Parameters
@@ -361,25 +381,25 @@ def rotation_about_z(phi: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def sockets_at_contact_azimuths(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
+def sockets_at_contact_azimuths(mesh: CoarseGroovedBodyMesh, contacts: tuple[Place, ...]) -> list[BodySocket]:
     """Create the sockets of screw or nut, each with the rotation from its patch's frame to the azimuth of its contact.
 
     Parameters
     ----------
-    mesh : GroovedBody
+    mesh : CoarseGroovedBodyMesh
         Mesh of the body.
-    places : tuple[Place, ...]
-        Azimuth [rad], axial position [m] and flank of its contacts, by `contacts_on_body`.
+    contacts : tuple[Place, ...]
+        Azimuth [rad], axial position [m] and flank of its contacts, by `contact_positions_on_body`.
 
     Returns
     -------
     list[Socket]
         One socket for each contact.
     """
-    return [Socket(n, rotation_about_z(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
+    return [BodySocket(n, rotation_about_z(x[0]), x[2]) for n, x in zip(mesh.nodes_on_box_faces, contacts, strict=True)]
 
 
-def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
+def element_type_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
     """Return the element type of the coarse meshes, whose order is that of the fine contact meshes.
 
     Parameters
@@ -395,8 +415,11 @@ def element_order_of_bodies(settings: Settings) -> Literal["P1", "P2"]:
     return "P2" if settings.element == "Q2" else "P1"
 
 
-def mesh_load_transfer_patch(
-    meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
+def mesh_coarser_patch(
+    meshes: PartMeshes | FlankSockets,
+    socket: RefinementBoxFaces,
+    map_to_space: Callable[[Array], Array],
+    settings: Settings,
 ) -> PatchMesh | None:
     """Mesh a coarser patch of hexahedra in the same socket, which only transfers loads from a contact to its body.
 
@@ -404,7 +427,7 @@ def mesh_load_transfer_patch(
     ----------
     meshes : Meshes | Sockets
         Size of the sockets and their contact zone.
-    socket : SocketMesh
+    socket : RefinementBoxFaces
         Mesh of the socket's faces.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
@@ -421,7 +444,10 @@ def mesh_load_transfer_patch(
 
 
 def mesh_patch(
-    meshes: Meshes | Sockets, socket: SocketMesh, map_to_space: Callable[[Array], Array], settings: Settings
+    meshes: PartMeshes | FlankSockets,
+    socket: RefinementBoxFaces,
+    map_to_space: Callable[[Array], Array],
+    settings: Settings,
 ) -> PatchMesh:
     """Mesh the patch (fine mesh) that fills a socket around a contact, with hexahedra or tetrahedra as the settings say.
 
@@ -431,7 +457,7 @@ def mesh_patch(
     ----------
     meshes : Meshes | Sockets
         Size of the sockets and their contact zone.
-    socket : SocketMesh
+    socket : RefinementBoxFaces
         Mesh of the socket's faces.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
@@ -448,11 +474,11 @@ def mesh_patch(
     ValueError
         With every edge length of `RIM_EDGES` some tetrahedra are turned inside out.
     """
-    lines, zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)
+    lines, zone = choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)
     if settings.element == "Q2":
         return mesh_hexahedral_patch(lines, zone, map_to_space, socket)
     for far in RIM_EDGES:
-        box = patch_as_in_thesis(meshes.widths, meshes.size.depth, zone, settings.tet, far)
+        box = patch_as_in_thesis(meshes.half_widths, meshes.socket_size.depth, zone, settings.tet, far)
         try:
             return fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket), map_to_space, socket)
         except ValueError:
@@ -461,7 +487,7 @@ def mesh_patch(
     raise AssertionError("unreachable")
 
 
-def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
+def contact_normals_of_patch(mesh: PatchMesh, centre: Array) -> Array:
     """Compute the unit vectors from the ball's centre to the contact nodes of a patch.
 
     Parameters
@@ -476,5 +502,5 @@ def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
     (c, 3) Array
         Unit vectors.
     """
-    arms = mesh.points[mesh.contact] - centre
+    arms = mesh.points[mesh.contact_nodes] - centre
     return np.asarray(arms / np.linalg.norm(arms, axis=1)[:, None])

@@ -20,15 +20,15 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from rollbench.hifi.contact.hertz import HertzSolution, hertz
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
-from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
+from rollbench.hifi.contact.hertz import HertzSolution, solve_hertz
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
+from rollbench.hifi.shaft.beam import ShaftSupports, beam_stiffness, round_section
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Thrust
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout, lead_angle, nominal_groove_radii
-from rollbench.meshes.one_arc import flanks_with_contacts
+from rollbench.meshes.one_arc import flanks_of_single_arc_contacts
 from rollbench.meshes.parts import SIDE_SIGNS, Material, Scene
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 from rollbench.meshes.solid import dimensions_of_3d_parts
@@ -126,78 +126,80 @@ class ExpectedContacts:
     """
 
     #: Contact loads ``(n, 4)`` [N].
-    load: Array
+    loads: Array
     #: Contact angles ``(n, 4)`` [rad]; the nominal angle where a contact is open.
-    angle: Array
+    angles: Array
     #: Semi-axes across the groove ``(n, 4)`` [m].
-    across: Array
+    semi_axes_across: Array
     #: Semi-axes along the groove ``(n, 4)`` [m].
-    along: Array
+    semi_axes_along: Array
     #: Distance of a contact's centre from the nominal one along its groove's arc, towards the edge ``(n, 4)`` [m].
-    shift: Array
+    centre_shifts: Array
     #: Gaps ``(n, 4)`` [m]; negative where ball and groove are pressed together.
-    gap: Array
+    gaps: Array
 
     def semi(self) -> tuple[float, float]:
         """Return the semi-axes of a typical contact ellipse across and along the groove [m].
 
         They are means over the loaded balls: of each ball the more heavily loaded contact, scaled to the mean load.
         """
-        largest = self.load.max(axis=1)
+        largest = self.loads.max(axis=1)
         ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
         if not ball.size:
-            return float(self.across.max()), float(self.along.max())
-        side = self.load[ball].argmax(axis=1)
+            return float(self.semi_axes_across.max()), float(self.semi_axes_along.max())
+        side = self.loads[ball].argmax(axis=1)
         scale = np.cbrt(float(largest[ball].mean()) / largest[ball])
-        return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
+        return float((self.semi_axes_across[ball, side] * scale).mean()), float(
+            (self.semi_axes_along[ball, side] * scale).mean()
+        )
 
     def reach(self) -> tuple[float, float]:
         """Return how far the contact ellipses reach from the nominal contact points, across and along the groove [m]."""
-        return float((self.across + np.abs(self.shift)).max()), float(self.along.max())
+        return float((self.semi_axes_across + np.abs(self.centre_shifts)).max()), float(self.semi_axes_along.max())
 
-    def sides(self) -> tuple[int, ...]:
+    def nearly_touching_flanks(self) -> tuple[int, ...]:
         """List the flanks (0 to 3) that touch or nearly touch: with a gap of less than a fifth of the largest approach."""
-        return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
+        return tuple(int(s) for s in np.flatnonzero(self.gaps.min(axis=0) < -NEAR * self.gaps.min()))
 
 
 @dataclass(frozen=True)
-class _EstimateModel:
+class _ContactEstimateModel:
     """Equations of the simple model (rigid nut, beam, Hertz springs) that estimates the contacts of n balls."""
 
     #: Stiffness of shaft, housings, supports and soft springs ``(f, f)``, on all f degrees of freedom: sections of the
     #: shaft, housings, and two displacements of each ball.
-    K: sp.csc_array
+    stiffness_matrix: sp.csc_array
     #: Loads on these degrees of freedom ``(f,)``.
-    P: Array
+    load_vector: Array
     #: Change of the vectors from groove centre to ball centre by unit motions in all degrees of freedom ``(8 n, f)``.
-    A: sp.csr_array
+    centre_vector_matrix: sp.csr_array
     #: Vectors from groove to ball centre in the unloaded state, in the section ``(n, 4, 2)`` [m].
-    arms: Array
+    unloaded_centre_vectors: Array
     #: Lengths of these vectors at which ball and groove touch ``(n, 4)`` [m].
-    touch: Array
+    touching_distance: Array
     #: Hertz's constant F / approach^(3/2) ``(n, 4)`` [N/m^(3/2)]; zero on flanks that cannot touch.
-    constant: Array
+    hertz_stiffness_constants: Array
     #: Stiffness of a typical contact [N/m].
-    stiffness: float
+    typical_contact_stiffness: float
     #: Stiffness of the soft springs in K on every degree of freedom ``(f,)`` [N/m, N m].
-    soft: Array
+    soft_spring_stiffness: Array
     #: Lengths by which the degrees of freedom are multiplied to become displacements ``(f,)``: 1 for displacements, the
     #: pitch radius [m] for rotations.
-    arm: Array
+    lengths_per_freedom: Array
 
 
 @dataclass(frozen=True)
-class _NutOnShaft:
+class _EstimatedNut:
     """One nut or bearing on the shaft, as input of the model that estimates its contacts."""
 
     #: Parts of the nut or bearing.
     scene: Scene
     #: Whether each of the four flanks can touch.
-    sides: tuple[bool, ...]
+    touchable_flanks: tuple[bool, ...]
     #: Shift of the nut along the shaft [m].
-    offset: float = 0.0
+    nut_offset: float = 0.0
     #: Index of the movable housing that carries the nut; None: the nut is fixed.
-    housing: int | None = None
+    housing_index: int | None = None
 
 
 @lru_cache(maxsize=64)
@@ -220,7 +222,7 @@ def estimate_contacts_of_scene(scene: Scene) -> ExpectedContacts:
         The model finds no equilibrium, or a contact ellipse is too thin for Hertz's formulas.
     """
     return _estimate_contacts(
-        (_NutOnShaft(scene, _flanks_touchable_under_thrust(scene, "both")),), Frame.from_scene(scene)
+        (_EstimatedNut(scene, _which_flanks_can_touch(scene, "both")),), ShaftSupports.from_scene(scene)
     )[0]
 
 
@@ -245,27 +247,25 @@ def estimate_contacts_of_each_set(assembly: Assembly) -> tuple[ExpectedContacts,
     ValueError
         The model finds no equilibrium, or a contact ellipse is too thin for Hertz's formulas.
     """
-    frame, sets = Frame.from_scene(assembly), []
+    frame, sets = ShaftSupports.from_scene(assembly), []
     for s in assembly.sets:
         if isinstance(s.parts, Scene):
             away = -1.0 if s.thrust == "+z" else 1.0
             offset = s.offset + (away * nut_shift_for_axial_force(s.parts, s.preload) if s.preload else 0.0)
             sets.append(
-                _NutOnShaft(
-                    s.parts, _flanks_touchable_under_thrust(s.parts, s.thrust), offset, frame.housing_index(s.housing)
-                )
+                _EstimatedNut(s.parts, _which_flanks_can_touch(s.parts, s.thrust), offset, frame.housing_index(s.housing))
             )
     return _estimate_contacts(tuple(sets), frame)
 
 
-def estimate_contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, load: float) -> ExpectedContacts:
+def estimate_contacts_under_assumed_load(scene: Scene, unloaded: ExpectedContacts, load: float) -> ExpectedContacts:
     """Estimate the contacts of an unloaded nut or bearing under an assumed load on the flanks with the smallest gaps.
 
     Parameters
     ----------
     scene : Scene
         Parts of the nut or bearing.
-    idle : ExpectedContacts
+    unloaded : ExpectedContacts
         Estimated contacts of the nut or bearing without load.
     load : float
         Load of each contact [N].
@@ -275,15 +275,21 @@ def estimate_contacts_under_assumed_load(scene: Scene, idle: ExpectedContacts, l
     ExpectedContacts
         Estimated contacts under that load.
     """
-    nearest = int(idle.gap.min(axis=0).argmin())
-    on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(idle.load, dtype=bool)
+    nearest = int(unloaded.gaps.min(axis=0).argmin())
+    on = np.isin(np.arange(4), (nearest, 3 - nearest)) & np.ones_like(unloaded.loads, dtype=bool)
     across, along = (
         np.where(
             on, np.cbrt(load) * np.array([getattr(unit, name) for unit in hertz_contacts_under_unit_force(scene)]), 0.0
         )
         for name in ("semi_x", "semi_y")
     )
-    return replace(idle, load=np.where(on, load, 0.0), across=across, along=along, gap=np.where(on, -1.0, np.inf))
+    return replace(
+        unloaded,
+        loads=np.where(on, load, 0.0),
+        semi_axes_across=across,
+        semi_axes_along=along,
+        gaps=np.where(on, -1.0, np.inf),
+    )
 
 
 def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
@@ -306,25 +312,25 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
     return (units[0].approach + units[3].approach) * float(np.cbrt(force / (scene.ball_count * sin))) ** 2 / sin
 
 
-def _flanks_touchable_under_thrust(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
+def _which_flanks_can_touch(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
     """Return for each of the four groove flanks whether it can touch a ball under the thrust that the nut can carry.
 
     ``thrust``: direction of that axial force, such as "+z" or "both". A groove of a single arc has one flank on each body.
     """
-    if (sides := flanks_with_contacts(scene)) and thrust in ("both", "deep groove"):
+    if (sides := flanks_of_single_arc_contacts(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))
     return thrust != "-z", thrust != "+z", thrust != "+z", thrust != "-z"
 
 
-def _estimate_contacts(sets: tuple[_NutOnShaft, ...], frame: Frame) -> tuple[ExpectedContacts, ...]:
+def _estimate_contacts(sets: tuple[_EstimatedNut, ...], frame: ShaftSupports) -> tuple[ExpectedContacts, ...]:
     """Estimate the contacts of each nut or bearing on a shaft by a beam, rigid nuts and Hertz springs.
 
     ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft. Raises ValueError without equilibrium.
     """
-    model = _assemble_contact_estimate(sets, frame)
+    model = _assemble_estimate_model(sets, frame)
     load, vectors = _solve_estimated_equilibrium(model)
-    gap = model.touch - np.linalg.norm(vectors, axis=2)
-    gap[model.constant == 0.0] = np.inf
+    gap = model.touching_distance - np.linalg.norm(vectors, axis=2)
+    gap[model.hertz_stiffness_constants == 0.0] = np.inf
     signs, ends = np.array(SIDE_SIGNS), np.cumsum([s.scene.ball_count for s in sets])[:-1]
     contacts = []
     for s, F, v, g in zip(sets, *(np.split(x, ends) for x in (load, vectors, gap)), strict=True):
@@ -348,10 +354,10 @@ def hertz_contacts_under_unit_force(scene: Scene) -> tuple[HertzSolution, ...]:
     tuple[HertzSolution, ...]
         Contact of each of the four flanks, with the curvatures of the helical grooves.
     """
-    m, units = GrooveMap.of(scene), []
+    m, units = GrooveMap.from_scene(scene), []
     for side, part in ((0, scene.screw), (2, scene.nut)):
         units += [
-            hertz(
+            solve_hertz(
                 1.0,
                 *m.relative_curvature_radii(side, m.beta),
                 2.0 * _contact_modulus(scene.balls.material, part.material),
@@ -366,7 +372,7 @@ def _contact_modulus(first: Material, second: Material) -> float:
     return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
 
 
-def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _EstimateModel:
+def _assemble_estimate_model(sets: tuple[_EstimatedNut, ...], frame: ShaftSupports) -> _ContactEstimateModel:
     """Assemble the equations of the contact estimate for all nuts or bearings on a shaft.
 
     ``sets``: the nuts and bearings; ``frame``: supports and loads of the shaft.
@@ -374,7 +380,7 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
     layouts, count = [ball_layout(s.scene) for s in sets], len(frame.housings)
     first, n = sets[0].scene, sum(x.z.size for x in layouts)
     rigid = any(s.scene.ingredients.screw == "rigid" or dimensions_of_3d_parts(s.scene).screw_held == "bore" for s in sets)
-    acted = frame.stations
+    acted = frame.support_and_load_positions
     nodes = [first.nut.position] if rigid else sorted({round(z, 9) for x in layouts for z in acted | set(x.z.tolist())})
     thread, e = next((s.scene for s in sets if s.scene.track.lead > 0.0), first), first.screw.material
     mean = 0.5 * (thread.screw.outer_diameter / 2.0 + thread.track.pitch_radius - thread.balls.radius)  # of land and groove
@@ -383,7 +389,7 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
     K = sp.lil_array((shaft + 6 * count,) * 2)
     for k, (a, b) in enumerate(pairwise(nodes)):
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
-    for spring, stiff in frame.springs():
+    for spring, stiff in frame.spring_stiffnesses():
         K[shaft:, shaft:] += spring.T @ stiff @ spring
 
     def motion(body: int, z: float) -> sp.csr_array:
@@ -397,81 +403,102 @@ def _assemble_contact_estimate(sets: tuple[_NutOnShaft, ...], frame: Frame) -> _
             k = 0 if rigid else nodes.index(round(z, 9))
             first, at = 6 * k, nodes[k]
         out = sp.lil_array((6, K.shape[0]))
-        out[:, first : first + 6] = rigid_motion_transfer_matrix(z - at)
+        out[:, first : first + 6] = rigid_motion_transfer_along_z(z - at)
         return out.tocsr()
 
-    wrenches = frame.wrenches()
-    share = sum(float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.arm for *_, w in wrenches)
+    wrenches = frame.forces_and_moments()
+    share = sum(
+        float(np.linalg.norm(w[:3])) + float(np.linalg.norm(w[3:])) / frame.length_per_rotation for *_, w in wrenches
+    )
     hertz_constants = [np.array([unit.approach for unit in hertz_contacts_under_unit_force(s.scene)]) ** -1.5 for s in sets]
     for s, constants in zip(sets, hertz_constants, strict=True):
-        constants[~np.array(s.sides)] = 0.0
+        constants[~np.array(s.touchable_flanks)] = 0.0
     constant = np.concatenate([np.tile(k, (x.z.size, 1)) for k, x in zip(hertz_constants, layouts, strict=True)])
     stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
     P, held = np.zeros(K.shape[0]), sp.csr_array(K.shape)
     for body, at, wrench in wrenches:
         P += motion(body, at).T @ wrench
     for body, at, k, value in frame.prescribed_motions():
-        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths_per_motion[k] ** 2
+        row, spring = motion(body, at)[[k]], HELD * n * stiffness * frame.lengths_of_unit_motions[k] ** 2
         held = held + spring * (row.T @ row)
         P += spring * value * row.toarray()[0]
     blocks, arms, touch = [], [], []
     for s, layout in zip(sets, layouts, strict=True):
-        drawn, track = draw_specimen(s.scene, layout), s.scene.track
+        drawn, track = draw_geometry_with_errors(s.scene, layout), s.scene.track
         for i, z in enumerate(layout.z.tolist()):
             section_frame = np.stack([layout.radial[i], layout.binormal[i]])
             arm = layout.centre[i] - np.array([0.0, 0.0, z])
             turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
             rows = -sp.csr_array(np.hstack([section_frame, section_frame @ turn]))
             screw, nut = rows @ motion(0, z), sp.csr_array((4, K.shape[0]))
-            if s.housing is not None:
-                nut = sp.vstack([rows @ motion(1 + s.housing, z)] * 2)
+            if s.housing_index is not None:
+                nut = sp.vstack([rows @ motion(1 + s.housing_index, z)] * 2)
             blocks.append(sp.vstack([screw, screw, nut]))
-        inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile]
-        arms.append(-drawn.centre)
-        arms[-1][:, 2:, 1] -= s.offset * np.cos(lead_angle(track))
-        touch.append((drawn.radius - np.array(inward))[None, :] - drawn.ball_radius[:, None])
+        inward = [np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile_coefficients]
+        arms.append(-drawn.groove_centres)
+        arms[-1][:, 2:, 1] -= s.nut_offset * np.cos(lead_angle(track))
+        touch.append((drawn.groove_radii - np.array(inward))[None, :] - drawn.ball_radii[:, None])
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.eye_array(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    arm = np.concatenate([np.tile(frame.lengths_per_motion, len(nodes) + count), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(frame.lengths_of_unit_motions, len(nodes) + count), np.ones(2 * n)])
     soft = SOFT * stiffness * arm**2
     K_all = sp.block_diag([K.tocsr() + held, sp.csr_array((2 * n, 2 * n))]) + sp.diags_array(soft)
     P = np.append(P, np.zeros(2 * n))
-    return _EstimateModel(K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm)
+    return _ContactEstimateModel(
+        K_all.tocsc(), P, A, np.concatenate(arms), np.concatenate(touch), constant, stiffness, soft, arm
+    )
 
 
-def _energy_and_loads(model: _EstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
+def _energy_and_loads(model: _ContactEstimateModel, x: Array) -> tuple[float, Array, Array, Array, Array]:
     """Evaluate the energy and the contact loads of the estimation model at given degrees of freedom x ``(f,)`` [m, rad].
 
     Returns the energy [J], the contact loads (n, 4) [N], their derivatives by the approach (n, 4) [N/m], the vectors from
     groove to ball centre (n, 4, 2) [m] and the lengths of these vectors (n, 4) [m].
     """
-    vectors = model.arms + (model.A @ x).reshape(model.arms.shape)
+    vectors = model.unloaded_centre_vectors + (model.centre_vector_matrix @ x).reshape(model.unloaded_centre_vectors.shape)
     length = np.linalg.norm(vectors, axis=2)
-    closed = np.maximum(length - model.touch, 0.0)
-    energy = 0.5 * x @ (model.K @ x) - model.P @ x + 0.4 * float((model.constant * closed**2.5).sum())
-    return energy, model.constant * closed**1.5, 1.5 * model.constant * np.sqrt(closed), vectors, length
+    closed = np.maximum(length - model.touching_distance, 0.0)
+    energy = (
+        0.5 * x @ (model.stiffness_matrix @ x)
+        - model.load_vector @ x
+        + 0.4 * float((model.hertz_stiffness_constants * closed**2.5).sum())
+    )
+    return (
+        energy,
+        model.hertz_stiffness_constants * closed**1.5,
+        1.5 * model.hertz_stiffness_constants * np.sqrt(closed),
+        vectors,
+        length,
+    )
 
 
-def _solve_estimated_equilibrium(model: _EstimateModel) -> tuple[Array, Array]:
+def _solve_estimated_equilibrium(model: _ContactEstimateModel) -> tuple[Array, Array]:
     """Find the equilibrium of the estimation model, the state of least energy, by damped Newton steps.
 
     Returns the contact loads (n, 4) [N] and the vectors from groove centre to ball centre (n, 4, 2) [m]. Raises ValueError
     if there is no equilibrium.
     """
-    x = np.zeros(model.P.size)
+    x = np.zeros(model.load_vector.size)
     energy, load, slope, vectors, length = _energy_and_loads(model, x)
     for step in range(STEPS):
         unit = vectors / length[..., None]
-        wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
-        scale = max(float(load.max()), 1e-3 * float(np.abs(model.P).max(initial=0.0)), 1e-9)
+        wrong = (
+            model.load_vector - model.stiffness_matrix @ x - model.centre_vector_matrix.T @ (load[..., None] * unit).ravel()
+        )
+        scale = max(float(load.max()), 1e-3 * float(np.abs(model.load_vector).max(initial=0.0)), 1e-9)
         if float(np.abs(wrong).max()) < BALANCED * scale and step:
-            if float(np.abs(model.soft * x / model.arm).max()) > CARRIED * scale:
+            if float(np.abs(model.soft_spring_stiffness * x / model.lengths_per_freedom).max()) > CARRIED * scale:
                 break
             return load, vectors
         # a stiffness of open contacts that dies out keeps the first steps short
-        normal = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
+        normal = np.maximum(slope, model.typical_contact_stiffness * 10.0 ** (-step / 4.0))
         turned = (load / length)[..., None, None] * np.eye(2)
         blocks = turned + (normal - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
-        H = model.K + model.A.T @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr") @ model.A
+        H = (
+            model.stiffness_matrix
+            + model.centre_vector_matrix.T
+            @ sp.block_diag([sp.csr_array(b) for b in blocks.reshape(-1, 2, 2)], format="csr")
+            @ model.centre_vector_matrix
+        )
         move = spsolve(H.tocsc(), wrong)
         descent, size = float(wrong @ move), 1.0
         while size > 1e-9:

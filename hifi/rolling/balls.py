@@ -23,12 +23,24 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling import kinematics
-from rollbench.hifi.rolling.bodies import ContactPosition, Sizes, compute_and_cache_kernels, contact_kernel
-from rollbench.hifi.rolling.friction import PATH, Contact, Friction, full_slip_forces, solve_friction, solve_rigid_friction
-from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
-from rollbench.hifi.rolling.patch import Patch, SmoothKernel, equivalent_radii, solve_elastic_contact_on_grid
+from rollbench.hifi.rolling.bodies import ContactGeometry, Sizes, compliance_kernel_of_contact, compute_and_cache_kernels
+from rollbench.hifi.rolling.friction import (
+    PATH,
+    FrictionContact,
+    FrictionSolution,
+    coulomb_friction_forces,
+    solve_friction,
+    solve_rigid_friction,
+)
+from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
+from rollbench.hifi.rolling.patch import (
+    ComplianceKernel,
+    GridContact,
+    equivalent_half_space_radii,
+    solve_elastic_contact_on_grid,
+)
 from rollbench.meshes.arrays import Array
 
 #: Ratio of the tangential compliance of nearly rigid bodies to that of the true bodies.
@@ -43,45 +55,45 @@ FIRST, POINTS = 40, 300
 
 
 @dataclass(frozen=True)
-class Choices:
+class RollingSettings:
     """Numerical settings of the rolling model: contact grids, elasticity, and meshes of finite bodies."""
 
     #: Cells of every contact's grid along and across the groove.
-    shape: tuple[int, int] = (24, 24)
+    grid_shape: tuple[int, int] = (24, 24)
     #: Factor on the tangential compliance of the bodies: 1, or `NEARLY_RIGID`.
-    elastic: float = 1.0
+    elastic_factor: float = 1.0
     #: Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
-    curved: bool = True
+    curved_contacts: bool = True
     #: Meshes of finite bodies; None: half-spaces.
-    bodies: Sizes | None = None
+    finite_bodies: Sizes | None = None
 
 
 @dataclass(frozen=True)
-class ContactOut:
+class ContactFriction:
     """Tangential forces, slips and friction loss in the n cells of a ball's contact with a groove."""
 
     #: Index of the ball.
-    ball: int
+    ball_index: int
     #: Index of the contact among those of the ball.
-    touch: int
+    contact_index: int
     #: Centres of the cells ``(n, 2)`` [m].
-    at: Array
+    cell_centres: Array
     #: Lengths of a cell along x and y ``(2,)`` [m].
-    size: Array
+    cell_size: Array
     #: Normal forces of the cells ``(n,)`` [N].
-    normal: Array
+    normal_forces: Array
     #: Tangential forces on the ball ``(n, 2)`` [N].
-    tangential: Array
+    tangential_forces: Array
     #: Slips ``(n, 2)`` [m/s].
-    slip: Array
+    slips: Array
     #: Whether each cell sticks ``(n,)``.
-    stick: NDArray[np.bool_]
+    sticks: NDArray[np.bool_]
     #: Axes of the contact as rows, in the ball's axes: x, y and the normal ``(3, 3)``.
     axes: Array
     #: Power of friction [W].
-    loss: float
+    friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
-    upwind: float
+    numerical_dissipation: float
 
 
 @dataclass(frozen=True)
@@ -89,32 +101,32 @@ class RollingResult:
     """Steady rolling of N balls with M contacts between balls: motions, friction forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
-    speed: Array
+    track_speeds: Array
     #: Rotations about their axes ``(N, 3)`` [rad/s].
-    rotation: Array
+    rotations: Array
     #: Normal forces between balls ``(M,)`` [N].
-    force: Array
+    ball_to_ball_forces: Array
     #: Losses between balls ``(M,)`` [W].
-    ball_loss: Array
+    ball_to_ball_losses: Array
     #: Force and moment about its centre that friction at the grooves exerts on every ball, in the ball's axes ``(N, 6)``
     #: [N, N m].
-    wrench: Array
+    groove_friction_wrenches: Array
     #: Force that its neighbours exert on every ball, in the ball's axes ``(N, 3)`` [N].
-    between: Array
+    forces_by_neighbours: Array
     #: Power that the moving grooves put in [W].
-    power: float
+    driving_power: float
     #: The solved contacts.
-    contacts: tuple[ContactOut, ...]
+    contacts: tuple[ContactFriction, ...]
     #: "converged", or the reason why the solution did not converge.
     status: str
     #: Residual of the friction solver.
     residual: float
     #: Number of Newton steps of the friction solver.
-    steps: int
+    newton_step_count: int
     #: Processor time [s].
-    seconds: float
+    cpu_seconds: float
     #: Solution of the friction solver.
-    friction: Friction
+    friction_solution: FrictionSolution
 
     @property
     def converged(self) -> bool:
@@ -124,37 +136,37 @@ class RollingResult:
     @property
     def groove_loss(self) -> float:
         """Friction losses at all grooves [W]."""
-        return sum(c.loss for c in self.contacts)
+        return sum(c.friction_loss for c in self.contacts)
 
     @property
-    def loss(self) -> float:
+    def friction_loss(self) -> float:
         """All friction losses, at grooves and between balls [W]."""
-        return self.groove_loss + float(self.ball_loss.sum())
+        return self.groove_loss + float(self.ball_to_ball_losses.sum())
 
     @property
-    def upwind(self) -> float:
+    def numerical_dissipation(self) -> float:
         """Spurious power that the upwind finite differences along the rolling direction dissipate in all contacts [W]."""
-        return sum(c.upwind for c in self.contacts)
+        return sum(c.numerical_dissipation for c in self.contacts)
 
 
 @lru_cache(maxsize=16)
-def half_space_contact_under_unit_load(
+def solve_half_space_contact_under_1_N(
     radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]
-) -> Patch:
-    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its `Patch.transport_rate_matrix`.
+) -> GridContact:
+    """Solve the contact of two half-spaces under 1 N on a grid of cells, and compute its elastic slip per rolling length.
 
     ``radii``: relative radii along and across the groove [m]; ``shape``: numbers of cells along and across. The contact
     under any other force is similar, with lengths in proportion to the cube root of the force.
     """
     patch = solve_elastic_contact_on_grid(1.0, radii, young, poisson, shape)
-    assert patch.transport_rate_matrix.size
+    assert patch.elastic_slip_per_rolling_length.size
     return patch
 
 
 @lru_cache(maxsize=64)
-def finite_body_contact_under_load(
-    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: SmoothKernel
-) -> Patch:
+def solve_finite_body_contact(
+    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: ComplianceKernel
+) -> GridContact:
     """Solve the normal contact of two finite bodies on a grid of cells.
 
     ``load``: contact force [N]; ``radii``: relative radii along and across the groove [m]; ``material``: Young's modulus
@@ -164,23 +176,27 @@ def finite_body_contact_under_load(
     return solve_elastic_contact_on_grid(load, radii, *material, shape, kernel)
 
 
-def solve_normal_contact_with_groove(scene: kinematics.Rolling, touch: kinematics.GrooveContact, choices: Choices) -> Patch:
+def solve_normal_contact_with_groove(
+    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, choices: RollingSettings
+) -> GridContact:
     """Solve the normal contact of a ball with a groove on a grid of cells, under the contact's prescribed force.
 
     ``scene``: the rolling balls; ``touch``: the contact of one of them with a groove; ``choices``: numerical settings.
     Raises ValueError if the direction to the groove's bottom is unknown, or a finite body has no room for the contact
     zone.
     """
-    kernel = finite_body_kernel_at_contact(scene, touch, choices.bodies)
+    kernel = finite_body_kernel_at_contact(scene, touch, choices.finite_bodies)
     if kernel is None:
-        unit = half_space_contact_under_unit_load(touch.radii, scene.young, scene.poisson, choices.shape)
-        return unit.scaled(float(np.cbrt(touch.load)), touch.load)
-    return finite_body_contact_under_load(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+        unit = solve_half_space_contact_under_1_N(touch.relative_radii, scene.young, scene.poisson, choices.grid_shape)
+        return unit.similar_contact(float(np.cbrt(touch.contact_force)), touch.contact_force)
+    return solve_finite_body_contact(
+        touch.contact_force, touch.relative_radii, (scene.young, scene.poisson), choices.grid_shape, kernel
+    )
 
 
 def finite_body_kernel_at_contact(
-    scene: kinematics.Rolling, touch: kinematics.GrooveContact, bodies: Sizes | None
-) -> SmoothKernel | None:
+    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact, bodies: Sizes | None
+) -> ComplianceKernel | None:
     """Compute the contact compliance of finite bodies less that of half-spaces (kernel), in the axes of a contact.
 
     Parameters
@@ -194,7 +210,7 @@ def finite_body_kernel_at_contact(
 
     Returns
     -------
-    SmoothKernel | None
+    ComplianceKernel | None
         The kernel; None if ``bodies`` is None.
 
     Raises
@@ -206,12 +222,12 @@ def finite_body_kernel_at_contact(
     if bodies is None:
         return None
     at, bottom = position_of_contact_on_groove(scene, touch)
-    kernel = contact_kernel(at, _largest_load(scene), scene.young, scene.poisson, bodies)
+    kernel = compliance_kernel_of_contact(at, _largest_load(scene), scene.young, scene.poisson, bodies)
     axes = kinematics.contact_axes(touch, scene)
     return kernel if axes[1] @ bottom > 0.0 else kernel.rotated_by_half_turn
 
 
-def cache_kernels_of_scenes(scenes: Sequence[kinematics.Rolling], bodies: Sizes | None, processes: int) -> float:
+def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: Sizes | None, processes: int) -> float:
     """Compute and cache the compliance kernels of finite bodies for several scenes of one material, in several processes.
 
     See `hifi.rolling.bodies.compute_and_cache_kernels`.
@@ -238,14 +254,14 @@ def cache_kernels_of_scenes(scenes: Sequence[kinematics.Rolling], bodies: Sizes 
     return compute_and_cache_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
-def _largest_load(scene: kinematics.Rolling) -> float:
+def _largest_load(scene: kinematics.RollingBalls) -> float:
     """Return the largest contact force between any ball and a groove [N]."""
-    return max(t.load for b in scene.balls for t in b.touches)
+    return max(t.contact_force for b in scene.balls for t in b.groove_contacts)
 
 
 def position_of_contact_on_groove(
-    scene: kinematics.Rolling, touch: kinematics.GrooveContact
-) -> tuple[ContactPosition, Array]:
+    scene: kinematics.RollingBalls, touch: kinematics.GrooveContact
+) -> tuple[ContactGeometry, Array]:
     """Return where a ball touches its groove (radii, angle, path), and the direction to the bottom of the groove.
 
     Parameters
@@ -257,8 +273,8 @@ def position_of_contact_on_groove(
 
     Returns
     -------
-    place : ContactPosition
-        Position of the contact, for `hifi.rolling.bodies.contact_kernel`.
+    place : ContactGeometry
+        Position of the contact, for `hifi.rolling.bodies.compliance_kernel_of_contact`.
     bottom : (3,) Array
         Unit vector from the ball's centre to the bottom of the groove.
 
@@ -267,15 +283,17 @@ def position_of_contact_on_groove(
     ValueError
         The direction to the groove's bottom is unknown.
     """
-    if touch.bottom is None:
+    if touch.direction_to_groove_bottom is None:
         raise ValueError(
             "the direction from the ball's centre to the bottom of the groove is missing: contacts of finite bodies need it"
         )
-    angle = float(np.arccos(touch.normal @ touch.bottom))
-    return ContactPosition(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
+    angle = float(np.arccos(touch.contact_normal @ touch.direction_to_groove_bottom))
+    return ContactGeometry(
+        scene.ball_radius, touch.relative_radii, angle, scene.track.path_radius_and_rise
+    ), touch.direction_to_groove_bottom
 
 
-def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematics.GrooveContact]]:
+def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kinematics.GrooveContact]]:
     """List the contacts with grooves that carry load.
 
     Parameters
@@ -291,12 +309,12 @@ def loaded_contacts(scene: kinematics.Rolling) -> list[tuple[int, int, kinematic
     """
     out = []
     for b, ball in enumerate(scene.balls):
-        least = NEGLIGIBLE * max((t.load for t in ball.touches), default=0.0)
-        out += [(b, k, t) for k, t in enumerate(ball.touches) if t.load > least]
+        least = NEGLIGIBLE * max((t.contact_force for t in ball.groove_contacts), default=0.0)
+        out += [(b, k, t) for k, t in enumerate(ball.groove_contacts) if t.contact_force > least]
     return out
 
 
-def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> list[Contact]:
+def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSettings) -> list[FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of elastic balls with grooves.
 
     Parameters
@@ -311,16 +329,18 @@ def prepare_friction_contacts(scene: kinematics.Rolling, choices: Choices) -> li
     list[Contact]
         Contacts in the order of `loaded_contacts`.
     """
-    curved, elastic = choices.curved, choices.elastic
+    curved, elastic = choices.curved_contacts, choices.elastic_factor
     return [
         kinematics.elastic_friction_contact(
-            t, scene, b, solve_normal_contact_with_groove(scene, t, choices), curved=curved, elastic=elastic
+            t, scene, b, solve_normal_contact_with_groove(scene, t, choices), curved=curved, elastic_factor=elastic
         )
         for b, _, t in loaded_contacts(scene)
     ]
 
 
-def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence[Contact]) -> kinematics.BallEquilibrium:
+def equilibrium_equations_of_balls(
+    scene: kinematics.RollingBalls, contacts: Sequence[FrictionContact]
+) -> kinematics.BallEquilibrium:
     """Create the equilibrium equations of all balls for the friction solver.
 
     Parameters
@@ -336,11 +356,11 @@ def equilibrium_equations_of_balls(scene: kinematics.Rolling, contacts: Sequence
         Equilibrium of the forces and moments on the balls, and the condition that two balls either touch or press with no
         force.
     """
-    bound = max(float(c.bound.sum()) for c in contacts)
-    return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.given).max()) for c in contacts))
+    bound = max(float(c.friction_limits.sum()) for c in contacts)
+    return kinematics.BallEquilibrium(scene, bound / max(float(np.abs(c.prescribed_slip).max()) for c in contacts))
 
 
-def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, Array]:
+def split_motions_and_forces(scene: kinematics.RollingBalls, y: Array) -> tuple[Array, Array, Array]:
     """Split the friction solver's vector of unknowns into speeds and rotations of the balls and forces between balls.
 
     Parameters
@@ -362,34 +382,43 @@ def split_unknowns(scene: kinematics.Rolling, y: Array) -> tuple[Array, Array, A
     """
     count = kinematics.MOTIONS * len(scene.balls)
     motions = y[:count].reshape(-1, kinematics.MOTIONS)
-    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, y[count:].copy()
+    return motions[:, 0] / scene.track.centre_speed, motions[:, 1:] / scene.ball_radius, y[count:].copy()
 
 
-def ball_contact_losses(scene: kinematics.Rolling, y: Array) -> Array:
+def ball_contact_losses(scene: kinematics.RollingBalls, y: Array) -> Array:
     """Compute the losses of sliding friction at the M contacts between balls ``(M,)`` [W].
 
-    ``y``: motions of all balls and forces between them, as in `split_unknowns`.
+    ``y``: motions of all balls and forces between them, as in `split_motions_and_forces`.
     """
-    pairs = zip(split_unknowns(scene, y)[2], scene.meetings, strict=True)
-    return np.array([scene.mu_balls * f * float(np.linalg.norm((m.rows @ y[m.columns])[1:])) for f, m in pairs])
+    pairs = zip(split_motions_and_forces(scene, y)[2], scene.ball_to_ball_contacts, strict=True)
+    return np.array(
+        [
+            scene.ball_friction_coefficient
+            * f
+            * float(np.linalg.norm((m.speeds_by_ball_motions @ y[m.motion_indices])[1:]))
+            for f, m in pairs
+        ]
+    )
 
 
-def estimate_starting_unknowns(scene: kinematics.Rolling) -> Array:
+def estimate_starting_unknowns(scene: kinematics.RollingBalls) -> Array:
     """Estimate starting values of the friction solver's unknowns for N balls with M mutual contacts ``(4 N + M,)``.
 
-    Their order and units are those of `split_unknowns`. Each ball moves at its nominal speed along the track and rotates so
-    that its contacts with grooves slide least; the forces between balls are zero.
+    Their order and units are those of `split_motions_and_forces`. Each ball moves at its nominal speed along the track and
+    rotates so that its contacts with grooves slide least; the forces between balls are zero.
     """
-    y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.meetings))
+    y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.ball_to_ball_contacts))
     for b, ball in enumerate(scene.balls):
-        y[kinematics.MOTIONS * b] = scene.orbit * scene.track.length
+        y[kinematics.MOTIONS * b] = scene.nominal_track_speed * scene.track.centre_speed
         rows, driven = [], []
-        for t in ball.touches:
-            if t.load > 0.0:
-                at = scene.radius * t.normal
-                turn = np.cross(np.eye(3), at).T / scene.radius
-                rows.append(turn * t.load)
-                driven.append((t.ride - scene.orbit) * scene.track.track_velocity_field(at) * t.load)
+        for t in ball.groove_contacts:
+            if t.contact_force > 0.0:
+                at = scene.ball_radius * t.contact_normal
+                turn = np.cross(np.eye(3), at).T / scene.ball_radius
+                rows.append(turn * t.contact_force)
+                driven.append(
+                    (t.groove_speed - scene.nominal_track_speed) * scene.track.track_velocity_field(at) * t.contact_force
+                )
         y[kinematics.MOTIONS * b + 1 : kinematics.MOTIONS * (b + 1)] = np.linalg.lstsq(
             np.vstack(rows), np.concatenate(driven), rcond=1e-10
         )[0]
@@ -397,10 +426,10 @@ def estimate_starting_unknowns(scene: kinematics.Rolling) -> Array:
 
 
 def solve_rolling(
-    scene: kinematics.Rolling,
-    choices: Choices | None = None,
+    scene: kinematics.RollingBalls,
+    choices: RollingSettings | None = None,
     start_result: RollingResult | None = None,
-    creeping_ratios: tuple[float, ...] = PATH,
+    smoothing_ratios: tuple[float, ...] = PATH,
 ) -> RollingResult:
     """Solve steady rolling of balls under prescribed contact loads.
 
@@ -412,7 +441,7 @@ def solve_rolling(
         Numerical choices; None: the defaults of `Choices`.
     start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
-    creeping_ratios : tuple[float, ...], default PATH
+    smoothing_ratios : tuple[float, ...], default PATH
         Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order, as for
         `hifi.rolling.friction.solve_friction`.
 
@@ -426,54 +455,68 @@ def solve_rolling(
     ValueError
         A ball has no loaded contact.
     """
-    begin, choices = process_time(), choices or Choices()
-    if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
+    begin, choices = process_time(), choices or RollingSettings()
+    if any(max((t.contact_force for t in b.groove_contacts), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError(
             "a ball has no loaded contact with a groove, and so no steady motion: every ball needs a contact force > 0"
         )
     contacts = prepare_friction_contacts(scene, choices)
     balance = equilibrium_equations_of_balls(scene, contacts)
-    y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction.motions
+    y = estimate_starting_unknowns(scene) if start_result is None else start_result.friction_solution.motions
     solution = solve_friction(
-        contacts, balance, y, None if start_result is None else start_result.friction.forces, creeping_ratios
+        contacts, balance, y, None if start_result is None else start_result.friction_solution.forces, smoothing_ratios
     )
     return _collect_result(scene, choices, contacts, solution, process_time() - begin)
 
 
 def _collect_result(
-    scene: kinematics.Rolling, choices: Choices, contacts: Sequence[Contact], solution: Friction, seconds: float
+    scene: kinematics.RollingBalls,
+    choices: RollingSettings,
+    contacts: Sequence[FrictionContact],
+    solution: FrictionSolution,
+    seconds: float,
 ) -> RollingResult:
     """Collect the motions, forces and losses of all balls from the solution of the friction solver.
 
     ``contacts``: contacts of the friction solver, in the order of `loaded_contacts`; ``seconds``: processor time of the
     solution [s].
     """
-    speed, rotation, force = split_unknowns(scene, solution.motions)
+    speed, rotation, force = split_motions_and_forces(scene, solution.motions)
     outs, power, wrench = [], 0.0, np.zeros((len(scene.balls), 6))
     for (b, i, t), c, q, s, stick in zip(
         loaded_contacts(scene), contacts, solution.forces, solution.slips, solution.stick, strict=True
     ):
         patch = solve_normal_contact_with_groove(scene, t, choices)
         points, tangents = kinematics.surface_points_and_tangents(
-            t, scene, patch.at, curved=choices.curved, sunk=choices.elastic * patch.depth_of_contact_centre
+            t,
+            scene,
+            patch.cell_centres,
+            curved=choices.curved_contacts,
+            depth_of_centre=choices.elastic_factor * patch.depth_of_contact_centre,
         )
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
-        power -= float(q @ c.given)
+        power -= float(q @ c.prescribed_slip)
         pull, slip, axes = q.reshape(2, -1).T, s.reshape(2, -1).T, kinematics.contact_axes(t, scene)
-        loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
-        outs.append(ContactOut(b, i, patch.at, patch.size, patch.normal, pull, slip, stick, axes, loss, upwind))
+        loss, upwind = -float(q @ s), float(q @ (c.elastic_slip_matrix @ q))
+        outs.append(
+            ContactFriction(
+                b, i, patch.cell_centres, patch.cell_size, patch.normal_forces, pull, slip, stick, axes, loss, upwind
+            )
+        )
     between = np.zeros((len(scene.balls), 3))
-    for f, m in zip(force, scene.meetings, strict=True):
-        pulls = m.forces(float(f), scene.mu_balls, (m.rows @ solution.motions[m.columns])[1:])
-        for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
-            between[ball] += sign * (scene.balls[ball].frame @ pulls)
+    for f, m in zip(force, scene.ball_to_ball_contacts, strict=True):
+        pulls = m.force_on_first_ball(
+            float(f), scene.ball_friction_coefficient, (m.speeds_by_ball_motions @ solution.motions[m.motion_indices])[1:]
+        )
+        for ball, sign in ((m.first_ball, 1.0), (m.second_ball, -1.0)):
+            between[ball] += sign * (scene.balls[ball].axes @ pulls)
     rub, how = ball_contact_losses(scene, solution.motions), (solution.status, solution.residual, solution.steps)
     return RollingResult(speed, rotation, force, rub, wrench, between, power, tuple(outs), *how, seconds, solution)
 
 
-def copy_without_ball_to_ball_contacts(scene: kinematics.Rolling) -> kinematics.Rolling:
+def copy_without_ball_to_ball_contacts(scene: kinematics.RollingBalls) -> kinematics.RollingBalls:
     """Return a copy of a scene in which neighbouring balls cannot touch each other.
 
     Parameters
@@ -486,10 +529,10 @@ def copy_without_ball_to_ball_contacts(scene: kinematics.Rolling) -> kinematics.
     kinematics.Rolling
         The same balls without contacts between them.
     """
-    return replace(scene, meetings=())
+    return replace(scene, ball_to_ball_contacts=())
 
 
-def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) -> tuple[float, float]:
+def hertz_semi_axes(scene: kinematics.RollingBalls, touch: kinematics.GrooveContact) -> tuple[float, float]:
     """Compute the semi-axes of the Hertzian contact ellipse between a ball and a groove.
 
     Parameters
@@ -504,7 +547,7 @@ def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) 
     tuple[float, float]
         Semi-axes along and across the groove [m].
     """
-    ellipse = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
+    ellipse = solve_hertz(touch.contact_force, *touch.relative_radii, scene.young, scene.poisson)
     return ellipse.semi_x, ellipse.semi_y
 
 
@@ -519,30 +562,30 @@ def hertz_semi_axes(scene: kinematics.Rolling, touch: kinematics.GrooveContact) 
 
 
 @dataclass(frozen=True)
-class RigidResult:
+class RigidRollingResult:
     """Steady rolling of N rigid balls with M contacts between balls: motions, forces and losses."""
 
     #: Speeds of the balls along the track ``(N,)`` [m/s on a straight track, rad/s on a ring or helix].
-    speed: Array
+    track_speeds: Array
     #: Rotations about the balls' axes ``(N, 3)`` [rad/s].
-    rotation: Array
+    rotations: Array
     #: Normal forces between balls ``(M,)`` [N].
-    force: Array
+    ball_to_ball_forces: Array
     #: Losses at every loaded contact with a groove, in the order of `loaded_contacts` [W].
-    contact_loss: Array
+    groove_losses: Array
     #: Losses between balls ``(M,)`` [W].
-    ball_loss: Array
+    ball_to_ball_losses: Array
     #: Error left by the smoothing of Coulomb's law, over the largest slip (see
     #: `hifi.rolling.friction.solve_rigid_friction`).
-    remainder: float
+    smoothing_error: float
 
     @property
-    def loss(self) -> float:
+    def friction_loss(self) -> float:
         """All friction losses, at grooves and between balls [W]."""
-        return float(self.contact_loss.sum() + self.ball_loss.sum())
+        return float(self.groove_losses.sum() + self.ball_to_ball_losses.sum())
 
 
-def disk_quadrature(points: int) -> tuple[Array, Array]:
+def quadrature_of_unit_disk(points: int) -> tuple[Array, Array]:
     """Build a quadrature rule for the unit disk: midpoint rules in angles t with x = cos(t), and likewise for y.
 
     Parameters
@@ -559,7 +602,7 @@ def disk_quadrature(points: int) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> f"{disk_quadrature(40)[1].sum():.3f}"  # pi
+    >>> f"{quadrature_of_unit_disk(40)[1].sum():.3f}"  # pi
     '3.142'
     """
     t = (np.arange(points) + 0.5) / points * np.pi
@@ -570,8 +613,8 @@ def disk_quadrature(points: int) -> tuple[Array, Array]:
 
 
 def solve_rigid_rolling(
-    scene: kinematics.Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
-) -> RigidResult:
+    scene: kinematics.RollingBalls, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+) -> RigidRollingResult:
     """Solve steady rolling of balls without tangential elasticity, with Coulomb friction under Hertz's pressures.
 
     Parameters
@@ -588,7 +631,7 @@ def solve_rigid_rolling(
 
     Returns
     -------
-    RigidResult
+    RigidRollingResult
         The solution.
 
     Raises
@@ -601,24 +644,30 @@ def solve_rigid_rolling(
         contacts = _prepare_rigid_contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
         y, remainder = solve_rigid_friction(contacts, equilibrium_equations_of_balls(scene, contacts), y, path)
-    loss = np.array([-float(full_slip_forces(c.bound, s) @ s) for c in contacts for s in (c.rigid_slip(y),)])
-    return RigidResult(*split_unknowns(scene, y), loss, ball_contact_losses(scene, y), remainder)
+    loss = np.array(
+        [-float(coulomb_friction_forces(c.friction_limits, s) @ s) for c in contacts for s in (c.rigid_slip(y),)]
+    )
+    return RigidRollingResult(*split_motions_and_forces(scene, y), loss, ball_contact_losses(scene, y), remainder)
 
 
-def _prepare_rigid_contacts(scene: kinematics.Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
+def _prepare_rigid_contacts(
+    scene: kinematics.RollingBalls, points: int, curved: bool, bodies: Sizes | None
+) -> list[FrictionContact]:
     """Create the input of the friction solver for all loaded contacts of rigid bodies, with Hertz's pressure by quadrature.
 
     ``points``: number of quadrature points along each axis of an ellipse; the other arguments are those of
     `solve_rigid_rolling`.
     """
-    (unit, weight), material, contacts = disk_quadrature(points), (scene.young, scene.poisson), []
+    (unit, weight), material, contacts = quadrature_of_unit_disk(points), (scene.young, scene.poisson), []
     for b, _, touch in loaded_contacts(scene):
-        radii = equivalent_radii(touch.load, touch.radii, *material, finite_body_kernel_at_contact(scene, touch, bodies))
-        ellipse = hertz(touch.load, *radii, *material)
+        radii = equivalent_half_space_radii(
+            touch.contact_force, touch.relative_radii, *material, finite_body_kernel_at_contact(scene, touch, bodies)
+        )
+        ellipse = solve_hertz(touch.contact_force, *radii, *material)
         semi = np.array([ellipse.semi_x, ellipse.semi_y])
         local = unit * semi
         normal = ellipse.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()
-        normal *= touch.load / normal.sum()
+        normal *= touch.contact_force / normal.sum()
         contacts.append(kinematics.rigid_friction_contact(touch, scene, b, normal, local, curved=curved))
     return contacts
 
@@ -628,27 +677,27 @@ REACH = 1.2
 
 
 @dataclass(frozen=True)
-class TransientResult:
+class MotionFromRest:
     """Rolling from rest of N balls with M ball-to-ball contacts, in T time steps."""
 
     #: Ends of the steps ``(T,)`` [s].
-    time: Array
+    times: Array
     #: Speeds of the balls along the track ``(T, N)`` [m/s on a straight track, rad/s on a ring or helix].
-    speed: Array
+    track_speeds: Array
     #: Rotations about the balls' axes ``(T, N, 3)`` [rad/s].
-    rotation: Array
+    rotations: Array
     #: Normal forces between balls ``(T, M)`` [N].
-    force: Array
+    ball_to_ball_forces: Array
     #: Gaps between balls ``(T, M)`` [m].
-    gap: Array
+    ball_to_ball_gaps: Array
     #: Losses of friction, and of closing balls in the step in which they meet ``(T,)`` [W].
-    loss: Array
+    losses: Array
     #: Power that the moving grooves put in ``(T,)`` [W].
-    power: Array
+    driving_power: Array
     #: Part of that power which elastic displacements store, or which is lost by the error of the time steps ``(T,)`` [W].
-    stored: Array
+    stored_power: Array
     #: Processor time [s].
-    seconds: float
+    cpu_seconds: float
     #: "converged", or the first step that did not converge, with the reason.
     status: str
 
@@ -663,24 +712,28 @@ class _ContactWithoutHistory:
     """Contact of the friction solver for one time step, without the displacements by the forces of the last step."""
 
     #: Contact of rigid bodies, for the friction solver.
-    contact: Contact
+    contact: FrictionContact
     #: Tangential displacements by unit forces over the step, at the present place of the material ``(2 n, 2 n)`` [m/s/N].
-    present: Array
+    displacement_at_present_place: Array
     #: Tangential displacements by unit forces over the step, at the place of the material before the step
     #: ``(2 n, 2 n)`` [m/s/N].
-    before: Array
+    displacement_at_previous_place: Array
 
-    def add_displacements_of_last_step(self, forces: Array) -> Contact:
+    def add_displacements_of_last_step(self, forces: Array) -> FrictionContact:
         """Return the friction solver's input for a time step, with the displacements by the forces of the last step.
 
         ``forces``: tangential forces at the end of the last step, all x and then all y (2 n,) [N].
         """
-        return replace(self.contact, elastic=self.present, given=self.contact.given - self.before @ forces)
+        return replace(
+            self.contact,
+            elastic_slip_matrix=self.displacement_at_present_place,
+            prescribed_slip=self.contact.prescribed_slip - self.displacement_at_previous_place @ forces,
+        )
 
 
 def compute_motion_from_rest(
-    scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
-) -> TransientResult:
+    scene: RollingBalls, duration: float, steps: int, gap: float = 0.0, choices: RollingSettings | None = None
+) -> MotionFromRest:
     """Compute the motion of balls that start from rest, with friction and elastic displacements, in equal time steps.
 
     Parameters
@@ -698,7 +751,7 @@ def compute_motion_from_rest(
 
     Returns
     -------
-    TransientResult
+    MotionFromRest
         Motions, forces and losses at the end of every step.
 
     Raises
@@ -712,38 +765,49 @@ def compute_motion_from_rest(
             f"rolling from rest got a duration of {duration} s, {steps} steps and a gap of {gap} m; "
             "allowed: a duration > 0, at least 1 step, and a gap >= 0"
         )
-    return _integrate_time_steps(scene, duration / steps, steps, gap, choices or Choices())
+    return _integrate_time_steps(scene, duration / steps, steps, gap, choices or RollingSettings())
 
 
-def _integrate_time_steps(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+def _integrate_time_steps(
+    scene: RollingBalls, dt: float, steps: int, gap: float, choices: RollingSettings
+) -> MotionFromRest:
     """Compute the motion of balls from rest in equal time steps, up to the first step that does not converge.
 
     ``dt``: length of a step [s]; ``steps``: number of steps; ``gap``: gap between neighbouring balls at the beginning [m].
     """
     begin = process_time()
     carried = _prepare_contacts_without_history(scene, choices, dt)
-    forces = [np.zeros(c.contact.given.size) for c in carried]
-    y, gaps, out, status = estimate_starting_unknowns(scene), np.full(len(scene.meetings), gap), [], "converged"
+    forces = [np.zeros(c.contact.prescribed_slip.size) for c in carried]
+    y, gaps, out, status = (
+        estimate_starting_unknowns(scene),
+        np.full(len(scene.ball_to_ball_contacts), gap),
+        [],
+        "converged",
+    )
     for step in range(steps):
-        meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
+        meetings = tuple(
+            replace(m, separating_speed=float(g) / dt) for m, g in zip(scene.ball_to_ball_contacts, gaps, strict=True)
+        )
         contacts = [c.add_displacements_of_last_step(q) for c, q in zip(carried, forces, strict=True)]
-        balance = equilibrium_equations_of_balls(replace(scene, meetings=meetings), contacts)
+        balance = equilibrium_equations_of_balls(replace(scene, ball_to_ball_contacts=meetings), contacts)
         solution = solve_friction(contacts, balance, y, forces)
         if not solution.converged:
             status = f"step {step + 1}: {solution.status}"
             break
         y, old, forces = solution.motions, forces, solution.forces
-        closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
+        closing = np.array([float(m.speeds_by_ball_motions[0] @ y[m.motion_indices]) for m in scene.ball_to_ball_contacts])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_step_results(scene, carried, (old, forces), solution.slips, y, gaps))
+        out.append(_results_of_time_step(scene, carried, (old, forces), solution.slips, y, gaps))
     speed, rotation, force, gap_left, loss, power, stored = (
         np.array([row[k] for row in out], dtype=float) for k in range(7)
     )
     time = np.asarray(dt * (1.0 + np.arange(len(out))))
-    return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
+    return MotionFromRest(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
-def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: float) -> list[_ContactWithoutHistory]:
+def _prepare_contacts_without_history(
+    scene: RollingBalls, choices: RollingSettings, dt: float
+) -> list[_ContactWithoutHistory]:
     """Prepare all loaded contacts for time steps, without the displacements that each step inherits from the last one.
 
     ``dt``: length of a step [s].
@@ -752,19 +816,26 @@ def _prepare_contacts_without_history(scene: Rolling, choices: Choices, dt: floa
     for (_, _, touch), contact in zip(loaded_contacts(scene), prepare_friction_contacts(scene, choices), strict=True):
         patch = solve_normal_contact_with_groove(scene, touch, choices)
         shift = rolling_speed(touch, scene) * dt
-        if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
+        if (
+            patch.finite_body_kernel is not None
+            and float(patch.cell_centres[:, 0].max()) + shift > REACH * patch.finite_body_kernel.coordinate_scales[0]
+        ):
             raise ValueError(
                 "in one time step, material enters a contact from outside the zone in which the compliance of the finite "
                 "bodies is known: use shorter time steps, or half-spaces"
             )
-        share = choices.elastic / dt
-        out.append(_ContactWithoutHistory(contact, share * patch.tangential(), share * patch.tangential(shift)))
+        share = choices.elastic_factor / dt
+        out.append(
+            _ContactWithoutHistory(
+                contact, share * patch.tangential_compliance(), share * patch.tangential_compliance(shift)
+            )
+        )
     return out
 
 
-def _step_results(
-    scene: Rolling,
-    carried: list[_ContactWithoutHistory],
+def _results_of_time_step(
+    scene: RollingBalls,
+    prepared_contacts: list[_ContactWithoutHistory],
     forces: tuple[list[Array], list[Array]],
     slips: list[Array],
     y: Array,
@@ -772,16 +843,22 @@ def _step_results(
 ) -> tuple[Array, Array, Array, Array, float, float, float]:
     """Compute speeds, forces, losses and stored power of all balls at the end of a time step.
 
-    ``carried``: the contacts as prepared for all steps; ``forces``: tangential forces of each contact [N] before and after
-    the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_unknowns`; ``gaps``: gaps between balls [m]
-    after the step.
-    Returns the balls' speeds along the track, their rotations [rad/s], the forces between balls [N], the gaps [m], the
-    loss, the power that the grooves put in, and the power that elastic displacements store [W].
+    ``prepared_contacts``: the contacts as prepared for all steps; ``forces``: tangential forces of each contact [N] before
+    and after the step; ``slips``: slips [m/s] of each contact; ``y``: unknowns of `split_motions_and_forces`; ``gaps``:
+    gaps between balls [m] after the step. Returns the balls' speeds along the track, their rotations [rad/s], the forces
+    between balls [N], the gaps [m], the loss, the power that the grooves put in, and the power that elastic displacements
+    store [W].
     """
     old, new = forces
-    speed, rotation, press = split_unknowns(scene, y)
-    closing = sum(float(f) * float(m.rows[0] @ y[m.columns]) for f, m in zip(press, scene.meetings, strict=True))
+    speed, rotation, press = split_motions_and_forces(scene, y)
+    closing = sum(
+        float(f) * float(m.speeds_by_ball_motions[0] @ y[m.motion_indices])
+        for f, m in zip(press, scene.ball_to_ball_contacts, strict=True)
+    )
     rub = -sum(float(q @ s) for q, s in zip(new, slips, strict=True)) + float(ball_contact_losses(scene, y).sum())
-    power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
-    stored = sum(float(q @ (c.present @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
+    power = -sum(float(q @ c.contact.prescribed_slip) for q, c in zip(new, prepared_contacts, strict=True))
+    stored = sum(
+        float(q @ (c.displacement_at_present_place @ q - c.displacement_at_previous_place @ before))
+        for q, before, c in zip(new, old, prepared_contacts, strict=True)
+    )
     return speed, rotation, press, gaps, rub + closing, power, stored

@@ -7,7 +7,7 @@ For rings and helices the bodies are patches of the static reference in pieces o
 the static reference does not have, they are a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A patch is
 meshed by `hifi.bodies.patch.mesh_hexahedral_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
 ring, nut or ball cut as in `hifi.condensation`. Patch and piece are solved together
-(`hifi.bodies.coarse.response_of_piece_to_patch_loads`). The cells of the contact zone are those of the other bodies of
+(`hifi.bodies.coarse.compliance_of_patch_in_submodel`). The cells of the contact zone are those of the other bodies of
 rolling (`hifi.rolling.contact_bodies.Zone`).
 
 A body is free, with its loads balanced by a rigid field of body forces, or fixed at its boundary "held". The cut of a
@@ -26,46 +26,57 @@ import numpy as np
 import scipy.sparse as sp
 
 from rollbench.hifi.bodies.coarse import (
-    BodyPiece,
-    isostatic_freedoms,
-    nodal_forces_like_rigid_motions,
-    response_of_piece_to_patch_loads,
+    ContactSubmodel,
+    body_forces_like_rigid_motions,
+    compliance_of_patch_in_submodel,
+    select_isostatic_freedoms,
 )
-from rollbench.hifi.bodies.patch import PatchLines, PatchMesh, graded_boundaries, growing_boundaries, mesh_hexahedral_patch
+from rollbench.hifi.bodies.patch import (
+    PatchCellBoundaries,
+    PatchMesh,
+    graded_cell_boundaries,
+    growing_cell_boundaries,
+    mesh_hexahedral_patch,
+)
 from rollbench.hifi.condensation import BEYOND
 from rollbench.hifi.contact.block import boussinesq_displacements
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import elasticity_form, normalise_rows_of_weights, pressure_weights_of_nodes
+from rollbench.hifi.elements.forms import elasticity_form, normalise_weight_rows, pressure_function_integrals
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map
 from rollbench.hifi.rolling.contact_bodies import (
     ContactBody,
+    ContactZone,
     Groove,
-    Zone,
     mesh_grooved_bar,
     mesh_half_space,
     mesh_whole_ball,
 )
-from rollbench.hifi.rolling.patch import SmoothKernel, monomials
-from rollbench.hifi.setup import Job, compute_records
+from rollbench.hifi.rolling.patch import ComplianceKernel, monomials
+from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import mesh_ball_with_sockets
+from rollbench.meshes.ball_body import mesh_ball_with_refinement_boxes
 from rollbench.meshes.cache import Cache
-from rollbench.meshes.fem import freedoms_on_boundaries, node_coordinates, nodes_on_boundaries, with_node_coordinates
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.fem import (
+    degrees_of_freedom_on_boundaries,
+    node_coordinates,
+    nodes_on_boundaries,
+    with_node_coordinates,
+)
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import SIDE_SIGNS
 from rollbench.meshes.record_keys import frozen_default, register_frozen_defaults
 from rollbench.meshes.sockets import (
-    SocketSize,
-    axial_reach_of_sockets,
-    largest_fitting_socket,
-    points_in_reference_socket,
-    unrolled_socket_centre,
+    RefinementBoxSize,
+    axial_reach_of_refinement_boxes,
+    largest_fitting_refinement_box,
+    points_in_box_at_azimuth_zero,
+    unrolled_nominal_contact_point,
 )
 
 #: Numbers of the left flanks of screw or inner ring, and of nut or outer ring; right flanks are left ones after half a
@@ -91,7 +102,7 @@ class BallPath:
     #: Radius of its cylinder [m].
     radius: float
     #: Rise per angle [m/rad]; 0: ring, < 0: left-hand.
-    rise: float
+    rise_per_angle: float
 
 
 @dataclass(frozen=True)
@@ -99,21 +110,21 @@ class ContactPiece:
     """Fine mesh (patch) of a groove or ball at one contact, with the coarse mesh of a piece of the body around it."""
 
     #: Fine mesh at the contact.
-    patch: PatchMesh
+    patch_mesh: PatchMesh
     #: Coarse mesh of the piece of the body around the patch.
-    piece: BodyPiece
+    body_piece: ContactSubmodel
     #: Centre of the ball in the patch's frame ``(3,)`` [m].
-    centre: Array
+    ball_centre: Array
     #: Rows along the track, across it towards the bottom of the groove, and into the body ``(3, 3)``.
-    axes: Array
+    contact_axes: Array
     #: Boundaries of the patch's cells along the track, across it and into the body [m].
-    cells: tuple[Array, Array, Array]
+    cell_boundaries: tuple[Array, Array, Array]
     #: Grid indices of the zone's c contact nodes, along and across the track ``(c, 2)``.
-    number: Index
+    node_grid_indices: Index
 
 
 def mesh_contact_pieces(
-    curve: BallPath, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool
+    curve: BallPath, ball: float, groove: float, angle: float, zone: ContactZone, *, on_nut_or_outer_ring: bool
 ) -> tuple[ContactPiece, ContactPiece]:
     """Mesh a piece of the grooved body and the ball around one contact, with fine meshes (patches) at the contact.
 
@@ -127,7 +138,7 @@ def mesh_contact_pieces(
         Angle at the ball's centre from the groove's bottom to the contact [rad].
     zone : Zone
         Contact zone.
-    outer : bool
+    on_nut_or_outer_ring : bool
         Whether the groove is that of the nut or outer ring.
 
     Returns
@@ -140,39 +151,49 @@ def mesh_contact_pieces(
     ValueError
         The body has no room for the hole into which the patch is fitted, or a mesh cannot be built.
     """
-    side = OUTER if outer else INNER
+    side = OUTER if on_nut_or_outer_ring else INNER
     m = track_geometry_of_path(curve, ball, groove, angle)
     walls = max(curve.radius - WALL * ball, CORE * curve.radius), curve.radius + WALL * ball
     lands = curve.radius - LAND * ball, curve.radius + LAND * ball
     nothing = np.zeros(1)
     alone = BallLayout(nothing, nothing, np.array([[curve.radius, 0.0, 0.0]]), *np.eye(3)[[0, 2, 1]][:, None])
-    need = (zone.half[1], zone.half[0])
-    size = largest_fitting_socket(
+    need = (zone.half_lengths[1], zone.half_lengths[0])
+    size = largest_fitting_refinement_box(
         m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need
     )
-    size = replace(size, cuts=CUTS)
+    size = replace(size, edge_divisions=CUTS)
     lines, local = _patch_lines_and_zone(m, size, side, zone)
-    half = max(axial_reach_of_sockets(m, size, (side,))) + BEYOND * ball
-    radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
+    half = max(axial_reach_of_refinement_boxes(m, size, (side,))) + BEYOND * ball
+    radii = (lands[1], walls[1]) if on_nut_or_outer_ring else (walls[0], lands[0])
     near, away = (ball * share for share in GROOVE_SIZES)
-    body = mesh_grooved_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
+    body = mesh_grooved_body(
+        m, GroovedBodySpec(*radii, -half, half, not on_nut_or_outer_ring, ((0.0, 0.0, side),), size, near, away)
+    )
     ball_socket, place = ball_socket_and_map(m, size, side, local)
     near, away = (ball * share for share in BALL_SIZES)
-    sphere = mesh_ball_with_sockets(m, (ball_socket,), near, away, CUTS)
-    grooved = mesh_hexahedral_patch(lines, local, partial(points_in_reference_socket, m, size, side), body.sockets[side])
-    round_ = mesh_hexahedral_patch(lines, local, place, sphere.sockets[side])
+    sphere = mesh_ball_with_refinement_boxes(m, (ball_socket,), near, away, CUTS)
+    grooved = mesh_hexahedral_patch(
+        lines, local, partial(points_in_box_at_azimuth_zero, m, size, side), body.box_faces[side]
+    )
+    round_ = mesh_hexahedral_patch(lines, local, place, sphere.box_faces[side])
     normal, axes = _contact_normal_and_axes(m, side)
-    x, y = lines.along * zone.half[0] / local[1], lines.across * zone.half[1] / local[0]
+    x, y = lines.along * zone.half_lengths[0] / local[1], lines.across * zone.half_lengths[1] / local[0]
     out = []
     for patch, piece, centre, inward, depth in (
         (
             grooved,
-            BodyPiece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS),
+            ContactSubmodel(body.mesh, body.nodes_on_box_faces[0], np.eye(3), ENDS),
             np.array([m.R, 0.0, 0.0]),
             normal,
             size.depth,
         ),
-        (round_, BodyPiece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
+        (
+            round_,
+            ContactSubmodel(sphere.mesh, sphere.nodes_on_box_faces[side], np.eye(3), ()),
+            np.zeros(3),
+            -normal,
+            ball_socket.depth,
+        ),
     ):
         number = _grid_indices_of_contact_nodes(patch, axes, centre)
         out.append(ContactPiece(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
@@ -198,23 +219,31 @@ def track_geometry_of_path(curve: BallPath, ball: float, groove: float, angle: f
     """
     signs = np.array(SIDE_SIGNS)
     to_contact = signs * np.array([np.cos(angle), np.sin(angle)])
-    lead_angle = float(np.arctan2(curve.rise, curve.radius))
+    lead_angle = float(np.arctan2(curve.rise_per_angle, curve.radius))
     centres = -(groove - ball) * to_contact
-    return GrooveMap(curve.radius, curve.rise, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1)
+    return GrooveMap(
+        curve.radius, curve.rise_per_angle, lead_angle, angle, ball, signs, centres, np.full(4, groove), 0.0, 0.0, 1
+    )
 
 
-def _patch_lines_and_zone(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[PatchLines, tuple[float, float]]:
+def _patch_lines_and_zone(
+    m: GrooveMap, size: RefinementBoxSize, side: int, zone: ContactZone
+) -> tuple[PatchCellBoundaries, tuple[float, float]]:
     """Compute the cell boundaries of the fine mesh (patch) around a contact from the cells of the contact zone.
 
     Also returns the half lengths of the zone across and along the track, over those of the patch. ``m``: geometry of the
     track; ``size``: dimensions of the patch; ``side``: groove flank, 0 to 3; ``zone``: the contact zone.
     """
-    along = size.phi * float(np.hypot(unrolled_socket_centre(m, side)[0], m.rg))
+    along = size.phi * float(np.hypot(unrolled_nominal_contact_point(m, side)[0], m.rg))
     width = size.gamma * float(m.radius[side])
-    local = (zone.half[1] / width, zone.half[0] / along)
-    first = min(2.0 * h / n for h, n in zip(zone.half, zone.cells, strict=True)) / size.depth
-    across, forth = (graded_boundaries(local[k], 2.0 * local[k] / zone.cells[1 - k], zone.growth) for k in (0, 1))
-    return PatchLines(across, growing_boundaries(0.0, 1.0, first / zone.growth, zone.growth), forth), local
+    local = (zone.half_lengths[1] / width, zone.half_lengths[0] / along)
+    first = min(2.0 * h / n for h, n in zip(zone.half_lengths, zone.cell_counts, strict=True)) / size.depth
+    across, forth = (
+        graded_cell_boundaries(local[k], 2.0 * local[k] / zone.cell_counts[1 - k], zone.cell_growth) for k in (0, 1)
+    )
+    return PatchCellBoundaries(
+        across, growing_cell_boundaries(0.0, 1.0, first / zone.cell_growth, zone.cell_growth), forth
+    ), local
 
 
 def _contact_normal_and_axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
@@ -239,9 +268,9 @@ def _grid_indices_of_contact_nodes(patch: PatchMesh, axes: Array, centre: Array)
 
     The indices grow along the rows of ``axes`` (2, 3); ``centre``: centre of the ball (3,) [m].
     """
-    assert patch.contact_shape is not None  # a grid
-    places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
-    at = (patch.points[patch.contact] - centre) @ axes.T
+    assert patch.contact_grid_shape is not None  # a grid
+    places = np.stack(np.unravel_index(np.arange(patch.contact_nodes.size), patch.contact_grid_shape)[::-1], axis=1)
+    at = (patch.points[patch.contact_nodes] - centre) @ axes.T
     for k in range(2):
         if (places[:, k] - places[:, k].mean()) @ at[:, k] < 0.0:
             places[:, k] = places[:, k].max() - places[:, k]
@@ -301,13 +330,17 @@ class ContactAxes:
     axes: Array = field(default_factory=lambda: np.eye(3))
 
 
-def zone_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
+def contact_node_coordinates(body: ContactBody, frame: ContactAxes) -> Array:
     """Return the coordinates x and y ``(c, 2)`` [m] of a body's c contact nodes in the axes of the contact, ``frame``."""
-    return np.asarray(((node_coordinates(body.mesh)[body.contact] - frame.centre) @ frame.axes.T)[:, :2])
+    return np.asarray(((node_coordinates(body.mesh)[body.contact_nodes] - frame.centre) @ frame.axes.T)[:, :2])
 
 
 def nodal_forces_of_tractions(
-    body: ContactBody, zone: Zone, degree: int, surface_curvatures: tuple[float, float], frame: ContactAxes | None = None
+    body: ContactBody,
+    zone: ContactZone,
+    degree: int,
+    surface_curvatures: tuple[float, float],
+    frame: ContactAxes | None = None,
 ) -> sp.csr_array:
     """Compute the nodal forces of smooth (polynomial) tractions on a contact zone, along two tangents and the normal.
 
@@ -333,24 +366,24 @@ def nodal_forces_of_tractions(
         Nodal forces, one row for each traction: k rows along x, then k along y, then k into the body.
     """
     frame = frame or ContactAxes()
-    at = zone_coordinates(body, frame)
+    at = contact_node_coordinates(body, frame)
     c = len(at)
-    hats = pressure_weights_of_nodes(body.mesh, body.contact)
+    hats = pressure_function_integrals(body.mesh, body.contact_nodes)
     root = np.sqrt(np.asarray(hats.sum(axis=1))[:, None])
-    fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * normalise_rows_of_weights(hats).toarray())
-    tilt = -body.sense * at * np.array(surface_curvatures)  # rise of the surface into the body, per length
+    fit = np.linalg.pinv(root * monomials(at, zone.half_lengths, degree)) @ (root * normalise_weight_rows(hats).toarray())
+    tilt = -body.normal_sense * at * np.array(surface_curvatures)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0
     frames[:, :2, 2], frames[:, 2, :2] = tilt, -tilt
     frames /= np.linalg.norm(frames, axis=2, keepdims=True)
     k = len(fit)
     nodal = np.einsum("kc,cdx->dkcx", fit, frames @ frame.axes).reshape(3 * k, 3 * c)
-    columns = (3 * body.contact[:, None] + np.arange(3)).ravel()
+    columns = (3 * body.contact_nodes[:, None] + np.arange(3)).ravel()
     spread = sp.csr_array((np.ones(3 * c), (np.arange(3 * c), columns)), (3 * c, body.mesh.doflocs.size))
     return sp.csr_array(sp.csr_array(nodal) @ spread)
 
 
-def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_free_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance between several load cases on a free body, such as a ball.
 
     The loads are balanced by body forces that are distributed like rigid motions, and rigid motions are removed from the
@@ -360,7 +393,7 @@ def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float,
     ----------
     body : ContactBody
         The body, with n nodes.
-    rows : (m, 3 n) sparse array
+    nodal_forces : (m, 3 n) sparse array
         Nodal forces of m load cases, as from `nodal_forces_of_tractions`.
     young : float
         Young's modulus [Pa].
@@ -373,36 +406,37 @@ def compliance_of_free_body(body: ContactBody, rows: sp.csr_array, young: float,
         Compliance [m/N]: work of load case i on the displacements by a unit of load case j.
     """
     K, points = forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh), node_coordinates(body.mesh)
-    relief, rigid = nodal_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
+    relief, rigid = body_forces_like_rigid_motions(body.mesh), nodal_displacements_of_rigid_motions(points)
     F = _compliance_with_fixed_freedoms(
-        K, isostatic_freedoms(points, body.contact), sp.vstack([rows, sp.csr_array(relief)])
+        K, select_isostatic_freedoms(points, body.contact_nodes), sp.vstack([nodal_forces, sp.csr_array(relief)])
     )
-    S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
+    S = np.hstack([np.eye(nodal_forces.shape[0]), -np.linalg.solve(relief @ rigid, (nodal_forces @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
 
-def _compliance_with_fixed_freedoms(K: sp.csr_array, held: Index, rows: sp.sparray) -> Array:
+def _compliance_with_fixed_freedoms(K: sp.csr_array, fixed_freedoms: Index, nodal_forces: sp.sparray) -> Array:
     """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body with some degrees of freedom fixed.
 
-    ``K``: stiffness matrix (n, n) [N/m]; ``held``: indices of the fixed degrees of freedom; ``rows``: nodal forces (m, n).
+    ``K``: stiffness matrix (n, n) [N/m]; ``fixed_freedoms``: indices of the fixed degrees of freedom; ``nodal_forces``:
+    nodal forces (m, n).
     """
-    free = np.setdiff1d(np.arange(K.shape[0]), held)
-    return symmetric_compliance_of_loads(K[free][:, free], rows.tocsr()[:, free])
+    free = np.setdiff1d(np.arange(K.shape[0]), fixed_freedoms)
+    return symmetric_compliance_of_loads(K[free][:, free], nodal_forces.tocsr()[:, free])
 
 
-def compliance_of_fixed_body(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body that is fixed at its boundary "held".
 
     The arguments are those of `compliance_of_free_body`.
     """
     return _compliance_with_fixed_freedoms(
         forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        freedoms_on_boundaries(body.mesh, "held"),
-        rows,
+        degrees_of_freedom_on_boundaries(body.mesh, "held"),
+        nodal_forces,
     )
 
 
-def compliance_of_half_space_block(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance of a half-space between m load cases, on a finite block whose cut faces move as in it.
 
     The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
@@ -415,40 +449,40 @@ def compliance_of_half_space_block(body: ContactBody, rows: sp.csr_array, young:
     """
     K, cut = (
         forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
-        freedoms_on_boundaries(body.mesh, "held"),
+        degrees_of_freedom_on_boundaries(body.mesh, "held"),
     )
-    by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, rows, young, poisson)).T)
-    F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([rows, by_cut])), rows.shape[0]
+    by_cut = sp.csr_array(-(K[cut].T @ _half_space_motion_at_cut(body, nodal_forces, young, poisson)).T)
+    F, m = _compliance_with_fixed_freedoms(K, cut, sp.vstack([nodal_forces, by_cut])), nodal_forces.shape[0]
     out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 
-def _half_space_motion_at_cut(body: ContactBody, rows: sp.csr_array, young: float, poisson: float) -> Array:
+def _half_space_motion_at_cut(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute how the cut faces of a block move in the half-space under m load cases, ``(3 cut nodes, m)`` [m/N].
 
-    ``rows``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
+    ``nodal_forces``: nodal forces of the load cases on the nodes of the contact zone (m, 3 n).
     """
     points = node_coordinates(body.mesh)
-    cut, sources = points[nodes_on_boundaries(body.mesh, "held")], points[body.contact, :2]
+    cut, sources = points[nodes_on_boundaries(body.mesh, "held")], points[body.contact_nodes, :2]
     shear = 0.5 * young / (1.0 + poisson)
     along = cerruti_displacements(cut, sources, shear, poisson)
     turned = cerruti_displacements(cut[:, [1, 0, 2]], sources[:, ::-1], shear, poisson)[:, [1, 0, 2]]
     down = boussinesq_displacements(cut, sources, young, poisson)
-    out = np.zeros((3 * len(cut), rows.shape[0]))
+    out = np.zeros((3 * len(cut), nodal_forces.shape[0]))
     for axis, motion in enumerate((along, turned, down)):
-        out += motion.reshape(3 * len(cut), -1) @ rows[:, 3 * body.contact + axis].toarray().T
+        out += motion.reshape(3 * len(cut), -1) @ nodal_forces[:, 3 * body.contact_nodes + axis].toarray().T
     return out
 
 
-def half_space_compliance_on_equal_nodes(
+def half_space_compliance_on_same_nodes(
     body: ContactBody,
-    zone: Zone,
+    zone: ContactZone,
     size: float,
     young: float,
     poisson: float,
     degree: int,
     frame: ContactAxes | None = None,
-    near: tuple[Array, Array, Array] | None = None,
+    inner_cell_boundaries: tuple[Array, Array, Array] | None = None,
 ) -> Array:
     """Compute the compliance of a half-space on a mesh whose contact nodes have the coordinates x, y of a body's nodes.
 
@@ -471,7 +505,7 @@ def half_space_compliance_on_equal_nodes(
         Degree of the monomials, k of them.
     frame : ContactAxes | None, default None
         Axes of the contact in the body's mesh; None: they are the axes of the mesh.
-    near : tuple[Array, Array, Array] | None, default None
+    inner_cell_boundaries : tuple[Array, Array, Array] | None, default None
         Cell boundaries near the contact along x, y and z [m], as for `hifi.rolling.contact_bodies.mesh_half_space`.
 
     Returns
@@ -479,14 +513,14 @@ def half_space_compliance_on_equal_nodes(
     (3 k, 3 k) Array
         Compliance between the smooth tractions of `nodal_forces_of_tractions` [m/N].
     """
-    block = mesh_half_space(size, zone, near)
-    cells = np.array(zone.cells)
+    block = mesh_half_space(size, zone, inner_cell_boundaries)
+    cells = np.array(zone.cell_counts)
     off = np.zeros((*(2 * cells + 1), 2))
-    off[tuple(body.number.T)] = zone_coordinates(body, frame or ContactAxes()) - np.array(zone.half) * (
-        body.number / cells - 1.0
-    )
+    off[tuple(body.node_grid_indices.T)] = contact_node_coordinates(body, frame or ContactAxes()) - np.array(
+        zone.half_lengths
+    ) * (body.node_grid_indices / cells - 1.0)
     points = node_coordinates(block.mesh).copy()
-    points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
+    points[:, :2] += off[tuple(zone.nearest_node_indices(points[:, :2]).T)]
     block = replace(block, mesh=with_node_coordinates(block.mesh, points))
     return compliance_of_half_space_block(block, nodal_forces_of_tractions(block, zone, degree, (0.0, 0.0)), young, poisson)
 
@@ -556,51 +590,61 @@ def _store_result(key: tuple[object, ...], value: Any) -> None:
 
 
 @cache_by_arguments
-def ball_kernel(
-    radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> SmoothKernel:
+def compliance_kernel_of_ball(
+    radius: float, zone: ContactZone, surface_curvatures: tuple[float, float], young: float, poisson: float, degree: int
+) -> ComplianceKernel:
     """Compute the compliance of a whole ball at a contact less that of a half-space (its kernel).
 
-    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``bends``: curvatures along x and y of the surface that ball
-    and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio;
-    ``degree``: degree of the kernel's polynomials.
+    ``radius``: radius of the ball [m]; ``zone``: contact zone; ``surface_curvatures``: curvatures along x and y of the
+    surface that ball and groove share [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``:
+    Poisson's ratio; ``degree``: degree of the kernel's polynomials.
     """
     body = mesh_whole_ball(radius, zone)
-    answer = compliance_of_free_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)
-    return SmoothKernel(
-        answer - half_space_compliance_on_equal_nodes(body, zone, radius, young, poisson, degree), zone.half, degree
+    answer = compliance_of_free_body(
+        body, nodal_forces_of_tractions(body, zone, degree, surface_curvatures), young, poisson
+    )
+    return ComplianceKernel(
+        answer - half_space_compliance_on_same_nodes(body, zone, radius, young, poisson, degree), zone.half_lengths, degree
     )
 
 
 @cache_by_arguments
-def bar_kernel(
-    groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
-) -> SmoothKernel:
+def compliance_kernel_of_bar(
+    groove: Groove,
+    size: float,
+    zone: ContactZone,
+    surface_curvatures: tuple[float, float],
+    young: float,
+    poisson: float,
+    degree: int,
+) -> ComplianceKernel:
     """Compute the compliance of a grooved bar at a contact less that of a half-space (its kernel).
 
-    ``size``: size of the bar [m]; the other arguments are those of `ball_kernel`. Forces and motions are those of a ball on
-    the bar, as in `kernel_from_groove_response`.
+    ``size``: size of the bar [m]; the other arguments are those of `compliance_kernel_of_ball`. Forces and motions are
+    those of a ball on the bar, as in `kernel_from_groove_response`.
     """
     body = mesh_grooved_bar(groove, size, zone)
-    answer = compliance_of_fixed_body(body, nodal_forces_of_tractions(body, zone, degree, bends), young, poisson)
+    answer = compliance_of_fixed_body(
+        body, nodal_forces_of_tractions(body, zone, degree, surface_curvatures), young, poisson
+    )
     return kernel_from_groove_response(
-        answer - half_space_compliance_on_equal_nodes(body, zone, groove.ball, young, poisson, degree), zone, degree
+        answer - half_space_compliance_on_same_nodes(body, zone, groove.ball_radius, young, poisson, degree), zone, degree
     )
 
 
 @cache_by_arguments
-def patch_kernels(
+def compliance_kernels_of_patches(
     curve: BallPath,
     radii: tuple[float, float],
     angle: float,
-    zone: Zone,
-    bends: tuple[float, float],
+    zone: ContactZone,
+    surface_curvatures: tuple[float, float],
     young: float,
     poisson: float,
     degree: int,
     *,
     outer: bool,
-) -> tuple[SmoothKernel, SmoothKernel]:
+) -> tuple[ComplianceKernel, ComplianceKernel]:
     """Compute the compliance of groove and ball at a contact less that of a half-space (kernels), on fine meshes.
 
     The meshes are made like the contact patches of the static 3D reference.
@@ -615,7 +659,7 @@ def patch_kernels(
         Angle from the groove's bottom to the contact [rad].
     zone : Zone
         Contact zone.
-    bends : tuple[float, float]
+    surface_curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
     young : float
         Young's modulus [Pa].
@@ -628,23 +672,30 @@ def patch_kernels(
 
     Returns
     -------
-    groove, ball : SmoothKernel
+    groove, ball : ComplianceKernel
         Kernels of the groove and of the ball.
     """
     kernels = []
-    for cut, sense in zip(mesh_contact_pieces(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
-        body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
-        frame = ContactAxes(cut.centre, cut.axes)
-        matrix = response_of_piece_to_patch_loads(
-            cut.piece, cut.patch, nodal_forces_of_tractions(body, zone, degree, bends, frame), young, poisson
+    for cut, sense in zip(
+        mesh_contact_pieces(curve, *radii, angle, zone, on_nut_or_outer_ring=outer), (1, -1), strict=True
+    ):
+        body = ContactBody(cut.patch_mesh.mesh, cut.patch_mesh.contact_nodes, sense, cut.node_grid_indices)
+        frame = ContactAxes(cut.ball_centre, cut.contact_axes)
+        matrix = compliance_of_patch_in_submodel(
+            cut.body_piece,
+            cut.patch_mesh,
+            nodal_forces_of_tractions(body, zone, degree, surface_curvatures, frame),
+            young,
+            poisson,
         )
         kernels.append(
-            matrix - half_space_compliance_on_equal_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cells)
+            matrix
+            - half_space_compliance_on_same_nodes(body, zone, radii[0], young, poisson, degree, frame, cut.cell_boundaries)
         )
-    return kernel_from_groove_response(kernels[0], zone, degree), SmoothKernel(kernels[1], zone.half, degree)
+    return kernel_from_groove_response(kernels[0], zone, degree), ComplianceKernel(kernels[1], zone.half_lengths, degree)
 
 
-def kernel_from_groove_response(added: Array, zone: Zone, degree: int) -> SmoothKernel:
+def kernel_from_groove_response(added: Array, zone: ContactZone, degree: int) -> ComplianceKernel:
     """Convert a groove's compliance to a kernel in terms of forces on the ball and its motion relative to the groove.
 
     Tangential forces and motions change their signs, because those of ball and groove are opposite.
@@ -660,11 +711,11 @@ def kernel_from_groove_response(added: Array, zone: Zone, degree: int) -> Smooth
 
     Returns
     -------
-    SmoothKernel
+    ComplianceKernel
         The kernel.
     """
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)
-    return SmoothKernel(added * np.outer(signs, signs), zone.half, degree)
+    return ComplianceKernel(added * np.outer(signs, signs), zone.half_lengths, degree)
 
 
 #: Contact angles are rounded to multiples of this angle [rad], and loads to whole powers of two, so that similar contacts
@@ -673,36 +724,36 @@ STEP = 0.1
 
 
 @dataclass(frozen=True)
-class ContactPosition:
+class ContactGeometry:
     """Geometry of a ball's contact with a groove: radii, contact angle, and path of the balls."""
 
     #: Radius of the ball [m].
-    ball: float
+    ball_radius: float
     #: Relative radii along and across the groove [m].
-    radii: tuple[float, float]
+    relative_radii: tuple[float, float]
     #: Angle from the groove's bottom to the contact [rad].
-    angle: float
+    contact_angle: float
     #: Radius [m] and rise [m/rad] of the path of the balls' centres, as in `hifi.rolling.kinematics.Track.curve`; None: the
     #: path is straight.
-    curve: tuple[float, float] | None
+    path_radius_and_rise: tuple[float, float] | None
 
     @property
-    def arc(self) -> float:
+    def groove_radius(self) -> float:
         """Radius of the groove's arc [m]."""
-        return 1.0 / (1.0 / self.ball - 1.0 / self.radii[1])
+        return 1.0 / (1.0 / self.ball_radius - 1.0 / self.relative_radii[1])
 
     @property
-    def bend(self) -> float:
+    def groove_curvature_along(self) -> float:
         """Curvature of the groove's surface along the track [1/m]; positive: concave."""
-        return 1.0 / self.ball - 1.0 / self.radii[0]
+        return 1.0 / self.ball_radius - 1.0 / self.relative_radii[0]
 
     @property
     def shared_surface_curvatures(self) -> tuple[float, float]:
         """Curvatures along and across the groove of the surface that ball and groove share [1/m]."""
-        one, two = (1.0 / self.ball - 0.5 / r for r in self.radii)
+        one, two = (1.0 / self.ball_radius - 0.5 / r for r in self.relative_radii)
         return one, two
 
-    def zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> Zone:
+    def contact_zone(self, load: float, young: float, poisson: float, sizes: Sizes) -> ContactZone:
         """Compute the contact zone under a load: the Hertzian ellipse's semi-axes times `Sizes.margin`, with its cells.
 
         Parameters
@@ -721,45 +772,65 @@ class ContactPosition:
         Zone
             The zone.
         """
-        ellipse = hertz(load, *self.radii, young, poisson)
-        return Zone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
+        ellipse = solve_hertz(load, *self.relative_radii, young, poisson)
+        return ContactZone((sizes.margin * ellipse.semi_x, sizes.margin * ellipse.semi_y), sizes.cells, sizes.growth)
 
 
-def _kernel_calls(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+def _kernel_calls(at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
     """List the function calls that compute the compliance kernels of ball and groove at one contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
     contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
     """
-    zone, common = at.zone(load, young, poisson, sizes), (at.shared_surface_curvatures, young, poisson, sizes.degree)
-    if sizes.patches and at.curve is not None:
-        curve, radii = BallPath(*at.curve), (at.ball, at.arc)
-        return [partial(patch_kernels, curve, radii, at.angle, zone, *common, outer=at.bend > 0.0)]
-    groove = Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend)
-    return [partial(ball_kernel, at.ball, zone, *common), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *common)]
+    zone, common = (
+        at.contact_zone(load, young, poisson, sizes),
+        (at.shared_surface_curvatures, young, poisson, sizes.degree),
+    )
+    if sizes.patches and at.path_radius_and_rise is not None:
+        curve, radii = BallPath(*at.path_radius_and_rise), (at.ball_radius, at.groove_radius)
+        return [
+            partial(
+                compliance_kernels_of_patches,
+                curve,
+                radii,
+                at.contact_angle,
+                zone,
+                *common,
+                outer=at.groove_curvature_along > 0.0,
+            )
+        ]
+    groove = Groove(at.ball_radius, at.groove_radius, at.contact_angle, sizes.opening, at.groove_curvature_along)
+    return [
+        partial(compliance_kernel_of_ball, at.ball_radius, zone, *common),
+        partial(compliance_kernel_of_bar, groove, sizes.bar * at.ball_radius, zone, *common),
+    ]
 
 
 @lru_cache(maxsize=8)
-def _sum_kernels_of_contact(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+def _sum_kernels_of_contact(
+    at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes
+) -> ComplianceKernel:
     """Compute the compliance kernel of one contact: the sum of those of its ball and its groove.
 
     ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
     """
     kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]
-    kernel: SmoothKernel = first + second
+    kernel: ComplianceKernel = first + second
     return kernel if len(kernels) == 1 else kernel.symmetric_in_x
 
 
-def _rounded_for_sharing(at: ContactPosition, load: float) -> tuple[ContactPosition, float]:
+def _round_for_shared_kernel(at: ContactGeometry, load: float) -> tuple[ContactGeometry, float]:
     """Round the angle and the load [N] of a contact, so that all similar contacts share one compliance kernel.
 
     Returns the position with a rounded contact angle, and the load rounded up to a power of two [N].
     """
-    return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
+    return replace(at, contact_angle=STEP * round(at.contact_angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
-def contact_kernel(at: ContactPosition, load: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+def compliance_kernel_of_contact(
+    at: ContactGeometry, load: float, young: float, poisson: float, sizes: Sizes
+) -> ComplianceKernel:
     """Compute the compliance of ball and groove at a contact less that of two half-spaces (kernel of the contact).
 
     Axis y of the kernel points towards the bottom of the groove; x, y and the normal are right-handed. The effect of the
@@ -767,7 +838,7 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
 
     Parameters
     ----------
-    at : ContactPosition
+    at : ContactGeometry
         Position of the contact.
     load : float
         Largest load of the contacts that share the kernel [N].
@@ -780,7 +851,7 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
 
     Returns
     -------
-    SmoothKernel
+    ComplianceKernel
         The kernel.
 
     Raises
@@ -788,11 +859,11 @@ def contact_kernel(at: ContactPosition, load: float, young: float, poisson: floa
     ValueError
         The groove, ring or nut has no room for the contact zone or for a patch.
     """
-    return _sum_kernels_of_contact(*_rounded_for_sharing(at, load), young, poisson, sizes)
+    return _sum_kernels_of_contact(*_round_for_shared_kernel(at, load), young, poisson, sizes)
 
 
 def compute_and_cache_kernels(
-    contacts: Iterable[tuple[ContactPosition, float]], young: float, poisson: float, sizes: Sizes, processes: int
+    contacts: Iterable[tuple[ContactGeometry, float]], young: float, poisson: float, sizes: Sizes, processes: int
 ) -> float:
     """Compute the compliance kernels of several contacts in several processes, and cache them in memory.
 
@@ -800,7 +871,7 @@ def compute_and_cache_kernels(
 
     Parameters
     ----------
-    contacts : Iterable[tuple[ContactPosition, float]]
+    contacts : Iterable[tuple[ContactGeometry, float]]
         Position of each contact, and the largest load of the contacts that share its kernel [N].
     young : float
         Young's modulus [Pa].
@@ -822,16 +893,16 @@ def compute_and_cache_kernels(
         The groove, ring or nut of a contact has no room for the contact zone or for a patch.
     """
     calls = [
-        call for at, load in contacts for call in _kernel_calls(*_rounded_for_sharing(at, load), young, poisson, sizes)
+        call for at, load in contacts for call in _kernel_calls(*_round_for_shared_kernel(at, load), young, poisson, sizes)
     ]
     missing = {key: call for call in calls if (key := _call_key(call)) not in _KEPT}
     if processes == 1 or len(missing) < 2:
         return 0.0
-    jobs = [Job("kernels", _run_call_without_cache, (call,), tuple) for call in missing.values()]
+    jobs = [RecordJob("kernels", _run_call_without_cache, (call,), tuple) for call in missing.values()]
     results = compute_records(jobs, Cache(None), processes)
     for key, result in zip(missing, results, strict=True):
-        _store_result(key, result.value[0])
-    return float(sum(result.value[1] for result in results))
+        _store_result(key, result.result[0])
+    return float(sum(result.result[1] for result in results))
 
 
 def _run_call_without_cache(call: partial[Any]) -> tuple[Any, float]:

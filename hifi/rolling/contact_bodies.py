@@ -17,17 +17,17 @@ from rollbench.meshes.fem import mesh_rectangular_grid, node_coordinates, with_b
 
 
 @dataclass(frozen=True)
-class Zone:
+class ContactZone:
     """Rectangular contact zone on the surface of a body, and the mesh cells in and around it."""
 
     #: Half lengths of the zone along x and y [m].
-    half: tuple[float, float]
+    half_lengths: tuple[float, float]
     #: Numbers of cells of the zone along x and y.
-    cells: tuple[int, int]
+    cell_counts: tuple[int, int]
     #: Ratio of the sizes of neighbouring cells outside the zone.
-    growth: float
+    cell_growth: float
 
-    def lines(self, axis: int, low: float, high: float) -> Array:
+    def cell_boundaries(self, axis: int, low: float, high: float) -> Array:
         """Return the boundaries of a body's mesh cells along x or y: equal in the contact zone, growing outside.
 
         Parameters
@@ -47,37 +47,37 @@ class Zone:
         ValueError
             The zone does not fit between the first and the last boundary.
         """
-        half = self.half[axis]
+        half = self.half_lengths[axis]
         if not (low < -half and half < high):
             raise ValueError(
                 f"a contact zone from {-half:.3g} to {half:.3g} m does not fit on a body from {low:.3g} to {high:.3g} m: "
                 "decrease the load"
             )
-        core = np.linspace(-half, half, self.cells[axis] + 1)
+        core = np.linspace(-half, half, self.cell_counts[axis] + 1)
         step = float(core[1] - core[0])
         return np.concatenate(
             [
-                -_growing_boundaries_to_end(half, -low, step, self.growth)[::-1],
+                -_growing_boundaries_to_end(half, -low, step, self.cell_growth)[::-1],
                 core,
-                _growing_boundaries_to_end(half, high, step, self.growth),
+                _growing_boundaries_to_end(half, high, step, self.cell_growth),
             ]
         )
 
-    def number(self, at: Array) -> Index:
+    def nearest_node_indices(self, at: Array) -> Index:
         """Find for each of n points the column and row of the nearest node of the contact zone, from zero ``(n, 2)``.
 
         ``at``: coordinates x, y of the points (n, 2) [m].
         """
-        cells = np.array(self.cells)
-        return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
+        cells = np.array(self.cell_counts)
+        return np.asarray(np.clip(np.rint((at / np.array(self.half_lengths) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
 
     def cell_boundaries_in_depth(self, deep: float) -> Array:
         """Return the boundaries of growing mesh cells from the surface to the depth ``deep`` [m].
 
         The first cell is as large as the smaller side of the zone's cells.
         """
-        first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
-        return np.concatenate([[0.0, first], _growing_boundaries_to_end(first, deep, first, self.growth)])
+        first = min(2.0 * h / n for h, n in zip(self.half_lengths, self.cell_counts, strict=True))
+        return np.concatenate([[0.0, first], _growing_boundaries_to_end(first, deep, first, self.cell_growth)])
 
 
 def _growing_boundaries_to_end(start: float, end: float, step: float, growth: float) -> Array:
@@ -103,15 +103,15 @@ class ContactBody:
     #: Mesh of the body.
     mesh: Mesh
     #: Indices of the nodes of the contact zone ``(c,)``.
-    contact: Index
+    contact_nodes: Index
     #: Sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove.
-    sense: int
+    normal_sense: int
     #: Indices of the nodes in the zone's grid along x and y ``(c, 2)``, from zero.
-    number: Index
+    node_grid_indices: Index
 
 
 def _contact_body_from_grid(
-    zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
+    zone: ContactZone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
 ) -> ContactBody:
     """Create the mesh of a body from a rectangular grid whose nodes are moved, and name its boundaries.
 
@@ -124,18 +124,18 @@ def _contact_body_from_grid(
     outer = mesh.boundary_facets()
     corners = xi[mesh.facets[:, outer]]  # (4, faces, 3)
     top = np.all(np.abs(corners[..., 2]) < 1e-12, axis=0)
-    inside = np.all(np.abs(corners[..., :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=(0, 2))
+    inside = np.all(np.abs(corners[..., :2]) <= np.array(zone.half_lengths) * (1.0 + 1e-9), axis=(0, 2))
     names = {"contact": outer[top & inside]}
     if held:
         on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
         names["held"] = outer[np.any(on, axis=0)]
     nodes = np.flatnonzero(
-        (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
+        (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half_lengths) * (1.0 + 1e-9), axis=1)
     )
-    return ContactBody(with_boundaries_from_facets(mesh, names), nodes, sense, zone.number(xi[nodes, :2]))
+    return ContactBody(with_boundaries_from_facets(mesh, names), nodes, sense, zone.nearest_node_indices(xi[nodes, :2]))
 
 
-def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
+def mesh_whole_ball(radius: float, zone: ContactZone) -> ContactBody:
     """Mesh a whole ball by hexahedra: a cube whose faces are mapped onto the sphere.
 
     Parameters
@@ -151,7 +151,7 @@ def mesh_whole_ball(radius: float, zone: Zone) -> ContactBody:
         The ball.
     """
     root = np.sqrt(0.5)
-    x, y = (zone.lines(k, -root * radius, root * radius) for k in (0, 1))
+    x, y = (zone.cell_boundaries(k, -root * radius, root * radius) for k in (0, 1))
     half = zone.cell_boundaries_in_depth(radius)
     z = np.concatenate([half, radius + radius * np.array([0.5, 1.0])])
     grid = node_coordinates(mesh_rectangular_grid(x, y, z, "Q2"))
@@ -170,27 +170,27 @@ class Groove:
     """Cross-section of a groove of two arcs (gothic arch), and its curvature along the track."""
 
     #: Radius of the ball [m].
-    ball: float
+    ball_radius: float
     #: Radius of the arcs [m].
-    arc: float
+    arc_radius: float
     #: Contact angle from the bottom of the groove [rad].
-    angle: float
+    contact_angle: float
     #: Half of the opening angle [rad].
-    opening: float
+    half_opening_angle: float
     #: Curvature of the surface along the track at the contact [1/m]; positive: concave, 0: straight.
-    bend: float
+    curvature_along_track: float
 
-    def surface(self, theta: Array) -> Array:
+    def surface_distance(self, theta: Array) -> Array:
         """Compute the distance of the groove's surface from the ball's centre [m].
 
         ``theta``: angles at the ball's centre from the contact towards the bottom of the groove [rad].
         """
-        c = self.arc - self.ball
-        cos = np.cos(np.where(theta > self.angle, 2.0 * self.angle - theta, theta))
-        return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc**2 - c**2))
+        c = self.arc_radius - self.ball_radius
+        cos = np.cos(np.where(theta > self.contact_angle, 2.0 * self.contact_angle - theta, theta))
+        return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc_radius**2 - c**2))
 
 
-def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
+def mesh_grooved_bar(groove: Groove, size: float, zone: ContactZone) -> ContactBody:
     """Mesh a bar with a groove along it, straight or bent into a ring, around a contact on one of the groove's flanks.
 
     It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
@@ -215,14 +215,14 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
     ValueError
         The groove's opening leaves no room for the contact zone, or the bar is thicker than its ring.
     """
-    R = groove.ball
-    low, high = groove.angle - groove.opening, groove.angle + groove.opening
-    bottom = groove.angle * R
-    y = np.concatenate([zone.lines(1, low * R, bottom), np.linspace(bottom, high * R, 5)[1:]])
-    x, z = zone.lines(0, -size, size), zone.cell_boundaries_in_depth(size - R)
+    R = groove.ball_radius
+    low, high = groove.contact_angle - groove.half_opening_angle, groove.contact_angle + groove.half_opening_angle
+    bottom = groove.contact_angle * R
+    y = np.concatenate([zone.cell_boundaries(1, low * R, bottom), np.linspace(bottom, high * R, 5)[1:]])
+    x, z = zone.cell_boundaries(0, -size, size), zone.cell_boundaries_in_depth(size - R)
     grid = node_coordinates(mesh_rectangular_grid(x, y, z, "Q2"))
     theta = grid[:, 1] / R
-    inner = groove.surface(theta)
+    inner = groove.surface_distance(theta)
     r = inner + (size - inner) * grid[:, 2] / (size - R)
     across, along = r * np.sin(theta), r * np.cos(theta) - R
     return _contact_body_from_grid(
@@ -235,33 +235,39 @@ def _bend_bar_along_track(groove: Groove, x: Array, y: Array, z: Array) -> Array
 
     ``x``: coordinates along the track; ``y``, ``z``: coordinates in its section [m].
     """
-    if groove.bend == 0.0:
+    if groove.curvature_along_track == 0.0:
         return np.column_stack([x, y, z])
-    down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
-    outward = 1.0 if groove.bend > 0.0 else -1.0
-    pitch = np.cos(groove.angle) / abs(groove.bend) - outward * groove.ball * np.cos(groove.angle)
-    depth = np.column_stack([y, z + groove.ball]) @ down
+    down = np.array(
+        [np.sin(groove.contact_angle), np.cos(groove.contact_angle)]
+    )  # to the bottom of the groove, in the section
+    outward = 1.0 if groove.curvature_along_track > 0.0 else -1.0
+    pitch = np.cos(groove.contact_angle) / abs(groove.curvature_along_track) - outward * groove.ball_radius * np.cos(
+        groove.contact_angle
+    )
+    depth = np.column_stack([y, z + groove.ball_radius]) @ down
     radius = pitch + outward * depth
     if radius.min() <= 0.0:
         raise ValueError(
             "the grooved bar around a contact is thicker than its ring, into which it is bent: decrease the size of the bar"
         )
-    middle = pitch + outward * groove.ball * np.cos(groove.angle)
+    middle = pitch + outward * groove.ball_radius * np.cos(groove.contact_angle)
     turn = x / middle
     lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
 
 
-def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
+def mesh_half_space(
+    cut_distance: float, zone: ContactZone, inner_cell_boundaries: tuple[Array, Array, Array] | None = None
+) -> ContactBody:
     """Mesh a rectangular block of a half-space.
 
     Parameters
     ----------
-    size : float
+    cut_distance : float
         Distance of its cut faces from the contact's centre [m].
     zone : Zone
         Contact zone.
-    near : tuple[Array, Array, Array] | None, default None
+    inner_cell_boundaries : tuple[Array, Array, Array] | None, default None
         Cell boundaries along x, y and z around the contact, to be continued [m]; None: those of the zone.
 
     Returns
@@ -269,21 +275,27 @@ def mesh_half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | 
     ContactBody
         The block.
     """
-    if near is None:
-        x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.cell_boundaries_in_depth(size)
+    if inner_cell_boundaries is None:
+        x, y, z = (
+            zone.cell_boundaries(0, -cut_distance, cut_distance),
+            zone.cell_boundaries(1, -cut_distance, cut_distance),
+            zone.cell_boundaries_in_depth(cut_distance),
+        )
     else:
         x, y = (
             np.concatenate(
                 [
-                    -_continued_boundaries(-lines[::-1], size, zone.growth)[::-1],
+                    -_continued_boundaries(-lines[::-1], cut_distance, zone.cell_growth)[::-1],
                     lines,
-                    _continued_boundaries(lines, size, zone.growth),
+                    _continued_boundaries(lines, cut_distance, zone.cell_growth),
                 ]
             )
-            for lines in near[:2]
+            for lines in inner_cell_boundaries[:2]
         )
-        z = np.concatenate([near[2], _continued_boundaries(near[2], size, zone.growth)])
-    cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
+        z = np.concatenate(
+            [inner_cell_boundaries[2], _continued_boundaries(inner_cell_boundaries[2], cut_distance, zone.cell_growth)]
+        )
+    cut = [(0, -cut_distance), (0, cut_distance), (1, -cut_distance), (1, cut_distance), (2, cut_distance)]
     return _contact_body_from_grid(
         zone, x, y, z, node_coordinates(mesh_rectangular_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1
     )

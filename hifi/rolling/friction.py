@@ -42,34 +42,36 @@ LOST = 1e4
 
 
 @dataclass(frozen=True)
-class Contact:
+class FrictionContact:
     """Input of the friction solver for one contact of n cells whose bodies have m rigid motions."""
 
     #: Largest tangential force g of each cell ``(n,)`` [N].
-    bound: Array
+    friction_limits: Array
     #: Slip M by unit tangential forces, from elastic displacements ``(2 n, 2 n)`` [m/s/N].
-    elastic: Array
+    elastic_slip_matrix: Array
     #: Slip J by unit rigid motions ``(2 n, m)``.
-    motion: Array
+    motion_slip_matrix: Array
     #: Indices of these m motions in the vector y of all motions ``(m,)``.
-    columns: Index
+    motion_indices: Index
     #: Prescribed slip w ``(2 n,)`` [m/s].
-    given: Array
+    prescribed_slip: Array
 
     def slip(self, q: Array, y: Array) -> Array:
         """Compute the slip velocity of body 1 past body 2 in every cell ``(2 n,)`` [m/s], all x and then all y.
 
         ``q``: tangential forces on body 1 (2 n,) [N]; ``y``: motions of all bodies.
         """
-        return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
+        return np.asarray(
+            self.elastic_slip_matrix @ q + self.motion_slip_matrix @ y[self.motion_indices] + self.prescribed_slip
+        )
 
     def rigid_slip(self, y: Array) -> Array:
         """Compute the slip velocities ``(2 n,)`` [m/s] that the rigid motions y cause, without elastic displacements."""
-        return np.asarray(self.motion @ y[self.columns] + self.given)
+        return np.asarray(self.motion_slip_matrix @ y[self.motion_indices] + self.prescribed_slip)
 
 
 @dataclass(frozen=True)
-class Friction:
+class FrictionSolution:
     """Tangential forces, slips and rigid motions that satisfy Coulomb's law in all contacts and equilibrium."""
 
     #: Tangential forces q of every contact ``(2 n,)`` [N].
@@ -93,7 +95,7 @@ class Friction:
         return self.status == "converged"
 
 
-def balance_for_prescribed_motions(y: Array) -> tuple[Array, Array]:
+def keep_prescribed_motions(y: Array) -> tuple[Array, Array]:
     """Return trivial equilibrium equations f = 0 with a unit derivative, so that the solver keeps the motions y.
 
     They replace f(y) in eq. (2) of this module where the motions are prescribed.
@@ -111,16 +113,16 @@ def _xy_rows_to_vector(v: Array) -> Array:
     return np.asarray(v.T.ravel())
 
 
-def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> Array:
+def coulomb_friction_forces(friction_limits: Array, slip: Array, smoothing_speed: float = 0.0) -> Array:
     """Compute friction forces opposite to the slip, by Coulomb's law or by a smoothed law without jump at zero slip.
 
     Parameters
     ----------
-    bound : (n,) Array
+    friction_limits : (n,) Array
         Largest tangential forces [N].
     slip : (2 n,) Array
         Slip [m/s], all x first.
-    creeping_speed : float, default 0.0
+    smoothing_speed : float, default 0.0
         Slip speed v [m/s] below which the smoothed law makes forces fall to zero with the slip; 0: Coulomb's law.
 
     Returns
@@ -130,59 +132,64 @@ def full_slip_forces(bound: Array, slip: Array, creeping_speed: float = 0.0) -> 
 
     Examples
     --------
-    >>> full_slip_forces(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
+    >>> coulomb_friction_forces(np.array([2.0]), np.array([3.0, 4.0])).round(12).tolist()
     [-1.2, -1.6]
     """
     s = _vector_to_xy_rows(slip)
-    size = np.sqrt((s**2).sum(axis=1) + creeping_speed * creeping_speed)
-    return _xy_rows_to_vector(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
+    size = np.sqrt((s**2).sum(axis=1) + smoothing_speed * smoothing_speed)
+    return _xy_rows_to_vector(-np.divide(friction_limits, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
 
 
 # --- one Newton step: forces dq = first + rest @ dy of every contact
 
 
 def _newton_terms_of_smoothed_law(
-    c: Contact, q: Array, y: Array, creeping_speed: float, elastic: bool
+    c: FrictionContact, q: Array, y: Array, smoothing_speed: float, elastic: bool
 ) -> tuple[Array, Array, Array]:
     """Compute the residual of the smoothed friction law, and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
-    ``y``: motions of all bodies; ``creeping_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether
+    ``y``: motions of all bodies; ``smoothing_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether
     the slip by elastic displacements is included. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
     """
     s = _vector_to_xy_rows(c.slip(q, y) if elastic else c.rigid_slip(y))
-    size = np.sqrt((s**2).sum(axis=1) + creeping_speed * creeping_speed)
-    left = q + _xy_rows_to_vector((c.bound / size)[:, None] * s)
+    size = np.sqrt((s**2).sum(axis=1) + smoothing_speed * smoothing_speed)
+    left = q + _xy_rows_to_vector((c.friction_limits / size)[:, None] * s)
     unit = s / size[:, None]
-    D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
+    D = (c.friction_limits / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
 
     def multiply_by_derivative(A: Array) -> Array:
         two = A.reshape(2, len(s), -1)
         return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
 
-    by_motion = multiply_by_derivative(c.motion)
+    by_motion = multiply_by_derivative(c.motion_slip_matrix)
     if not elastic:
         return left, -left, -by_motion
-    solved = np.linalg.solve(np.eye(q.size) + multiply_by_derivative(c.elastic), -np.column_stack([left, by_motion]))
+    solved = np.linalg.solve(
+        np.eye(q.size) + multiply_by_derivative(c.elastic_slip_matrix), -np.column_stack([left, by_motion])
+    )
     return left, np.asarray(solved[:, 0]), np.asarray(solved[:, 1:])
 
 
-def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
+def _newton_terms_of_coulomb_law(
+    c: FrictionContact, q: Array, y: Array, projection_parameter: Array
+) -> tuple[Array, Array, Array]:
     """Compute the residual of Coulomb's law, eq. (1) of this module, and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
-    ``y``: motions of all bodies; ``grip``: the parameter r of each cell (n,) [N s/m]. Returns the residual (2 n,) [N],
-    first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and two for each cell that sticks.
+    ``y``: motions of all bodies; ``projection_parameter``: the parameter r of each cell (n,) [N s/m]. Returns the residual
+    (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and two for each cell that
+    sticks.
     """
-    n = c.bound.size
+    n = c.friction_limits.size
     s = c.slip(q, y)
-    pull = _vector_to_xy_rows(q) - grip[:, None] * _vector_to_xy_rows(s)  # q - r s; (1) is q = P(q - r s)
+    pull = _vector_to_xy_rows(q) - projection_parameter[:, None] * _vector_to_xy_rows(s)  # q - r s; (1) is q = P(q - r s)
     size = np.linalg.norm(pull, axis=1)
-    stick = size <= c.bound
+    stick = size <= c.friction_limits
     slip = np.flatnonzero(~stick)
     unit = pull[slip] / size[slip, None]
-    left = _vector_to_xy_rows(np.tile(grip / SOFT, 2) * s)
-    left[slip] = _vector_to_xy_rows(q)[slip] - c.bound[slip, None] * unit
+    left = _vector_to_xy_rows(np.tile(projection_parameter / SOFT, 2) * s)
+    left[slip] = _vector_to_xy_rows(q)[slip] - c.friction_limits[slip, None] * unit
     known = np.zeros((n, 2))
     known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
     across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
@@ -195,11 +202,11 @@ def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) ->
         """
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
-    MR = free_rows(c.elastic)
+    MR = free_rows(c.elastic_slip_matrix)
     K = free_rows(MR.T).T  # the same of its columns
-    share = c.bound[slip] / size[slip]
-    weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
-    right = np.column_stack([MR @ _xy_rows_to_vector(known), free_rows(c.motion)]) * -weight[:, None]
+    share = c.friction_limits[slip] / size[slip]
+    weight = np.concatenate([share * projection_parameter[slip], np.ones(2 * held.size)])
+    right = np.column_stack([MR @ _xy_rows_to_vector(known), free_rows(c.motion_slip_matrix)]) * -weight[:, None]
     right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
     K *= weight[:, None]
     K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
@@ -215,11 +222,11 @@ def _newton_terms_of_coulomb_law(c: Contact, q: Array, y: Array, grip: Array) ->
 
 
 @dataclass
-class _FrictionSystem:
+class _FrictionProblem:
     """Friction problem of several contacts whose bodies are in equilibrium (function ``balance``)."""
 
-    contacts: Sequence[Contact]
-    balance: Balance
+    contacts: Sequence[FrictionContact]
+    equilibrium: Balance
 
     def newton_step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
         """Compute Newton's step dq of the forces of every contact ``(2 n,)`` [N], and dy of the motions of all bodies.
@@ -227,44 +234,45 @@ class _FrictionSystem:
         ``parts``: for every contact the residual, first and rest with dq = first + rest @ dy; ``q``: tangential forces of
         every contact [N]; ``y``: motions of all bodies.
         """
-        f, S = self.balance(y)
+        f, S = self.equilibrium(y)
         f, S = f.copy(), S.copy()
         for c, force, (_, first, by_y) in zip(self.contacts, q, parts, strict=True):
-            f[c.columns] += c.motion.T @ (force + first)
-            S[np.ix_(c.columns, c.columns)] += c.motion.T @ by_y
+            f[c.motion_indices] += c.motion_slip_matrix.T @ (force + first)
+            S[np.ix_(c.motion_indices, c.motion_indices)] += c.motion_slip_matrix.T @ by_y
         dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
-        return [first + by_y @ dy[c.columns] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
+        return [first + by_y @ dy[c.motion_indices] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced_forces(self, q: list[Array], y: Array) -> Array:
         """Evaluate the unbalanced forces on all motions, the left side of eq. (2) of this module [N].
 
         ``q``: tangential forces of every contact [N]; ``y``: motions of all bodies.
         """
-        f = self.balance(y)[0].copy()
+        f = self.equilibrium(y)[0].copy()
         for c, force in zip(self.contacts, q, strict=True):
-            f[c.columns] += c.motion.T @ force
+            f[c.motion_indices] += c.motion_slip_matrix.T @ force
         return f
 
 
 def _solve_smoothed_friction(
-    system: _FrictionSystem, q: list[Array], y: Array, creeping_speed: float, *, elastic: bool
+    system: _FrictionProblem, q: list[Array], y: Array, smoothing_speed: float, *, elastic: bool
 ) -> tuple[list[Array], Array]:
     """Solve the smoothed friction law together with equilibrium by Newton's method with step control.
 
     ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies;
-    ``creeping_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether the slip by elastic
+    ``smoothing_speed``: slip speed by which the law is smoothed [m/s]; ``elastic``: whether the slip by elastic
     displacements is included. Returns the forces and the motions.
     """
-    scale = max(float(c.bound.max()) for c in system.contacts)
+    scale = max(float(c.friction_limits.max()) for c in system.contacts)
 
     def size(q: list[Array], y: Array) -> float:
-        lefts = [_smoothed_residual(c, v, y, creeping_speed, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        lefts = [_smoothed_residual(c, v, y, smoothing_speed, elastic) for c, v in zip(system.contacts, q, strict=True)]
         return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced_forces(q, y)))
 
     norm = size(q, y)
     for _ in range(STEPS):
         parts = [
-            _newton_terms_of_smoothed_law(c, v, y, creeping_speed, elastic) for c, v in zip(system.contacts, q, strict=True)
+            _newton_terms_of_smoothed_law(c, v, y, smoothing_speed, elastic)
+            for c, v in zip(system.contacts, q, strict=True)
         ]
         dq, dy = system.newton_step(parts, q, y)
         t = 1.0
@@ -282,21 +290,21 @@ def _solve_smoothed_friction(
     return q, y
 
 
-def _smoothed_residual(c: Contact, q: Array, y: Array, creeping_speed: float, elastic: bool) -> Array:
+def _smoothed_residual(c: FrictionContact, q: Array, y: Array, smoothing_speed: float, elastic: bool) -> Array:
     """Compute the residual of the smoothed friction law in one contact ``(2 n,)`` [N]: forces less those of the law.
 
     The arguments are those of `_solve_smoothed_friction`.
     """
-    return q - full_slip_forces(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), creeping_speed)
+    return q - coulomb_friction_forces(c.friction_limits, c.slip(q, y) if elastic else c.rigid_slip(y), smoothing_speed)
 
 
-def _solve_coulomb_friction(system: _FrictionSystem, q: list[Array], y: Array) -> Friction:
+def _solve_coulomb_friction(system: _FrictionProblem, q: list[Array], y: Array) -> FrictionSolution:
     """Solve Coulomb's law, without smoothing, together with equilibrium by Newton's method.
 
     ``q``, ``y``: starting values of the tangential forces of every contact [N] and of the motions of all bodies.
     """
     grips = [_projection_parameter(c) for c in system.contacts]
-    largest = max(float(c.bound.max()) for c in system.contacts)
+    largest = max(float(c.friction_limits.max()) for c in system.contacts)
     residual, best, steps = np.inf, np.inf, 0
     for steps in range(1, MOST + 1):  # noqa: B007
         parts = [_newton_terms_of_coulomb_law(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
@@ -317,20 +325,20 @@ def _solve_coulomb_friction(system: _FrictionSystem, q: list[Array], y: Array) -
         np.linalg.norm(_vector_to_xy_rows(v) - g[:, None] * _vector_to_xy_rows(s), axis=1)
         for v, g, s in zip(q, grips, slips, strict=True)
     ]
-    stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
+    stick = [p <= c.friction_limits for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
     status = "converged" if good else f"not converged after {steps} steps (residual {residual:.1e})"
-    return Friction(q, slips, y, steps, status, residual, stick)
+    return FrictionSolution(q, slips, y, steps, status, residual, stick)
 
 
-def _projection_parameter(c: Contact) -> Array:
+def _projection_parameter(c: FrictionContact) -> Array:
     """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of its force per elastic slip speed."""
-    compliance = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
+    compliance = 0.5 * np.diag(c.elastic_slip_matrix).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
 
 def solve_rigid_friction(
-    contacts: Sequence[Contact], balance: Balance, y: Array, creeping_ratios: tuple[float, ...] = PATH
+    contacts: Sequence[FrictionContact], balance: Balance, y: Array, smoothing_ratios: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
     """Find the motions of rigid bodies at which the friction of all contacts is in equilibrium.
 
@@ -342,7 +350,7 @@ def solve_rigid_friction(
         Function that returns f of eq. (2) of this module and its derivative at the motions y.
     y : (k,) Array
         Starting values of the motions of all bodies.
-    creeping_ratios : tuple[float, ...], default PATH
+    smoothing_ratios : tuple[float, ...], default PATH
         Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
 
     Returns
@@ -350,37 +358,37 @@ def solve_rigid_friction(
     y : (k,) Array
         Motions of all bodies.
     remainder : float
-        Error left by the smoothing of Coulomb's law: largest change of a slip in the last step of ``creeping_ratios``, over
-        the largest slip.
+        Error left by the smoothing of Coulomb's law: largest change of a slip in the last step of ``smoothing_ratios``,
+        over the largest slip.
 
     Raises
     ------
     ValueError
         The search ends without equilibrium.
     """
-    system = _FrictionSystem(contacts, balance)
+    system = _FrictionProblem(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    forces, last = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts], y
-    for ratio in creeping_ratios:
+    forces, last = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts], y
+    for ratio in smoothing_ratios:
         last = y
         forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
-    left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
+    left = float(np.abs(system.unbalanced_forces(forces, y)).max()) / max(float(c.friction_limits.sum()) for c in contacts)
     if not left <= RIGID:
         raise ValueError(
             "the search for the steady rolling of rigid bodies ends without equilibrium: the unbalanced force is "
             f"{left:.1e} times the largest friction of a contact; allowed: up to {RIGID:.0e} times"
         )
-    slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
+    slip = max(float(np.abs(c.motion_slip_matrix @ (y - last)[c.motion_indices]).max()) for c in contacts)
     return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
 
 
 def solve_friction(
-    contacts: Sequence[Contact],
-    balance: Balance = balance_for_prescribed_motions,
+    contacts: Sequence[FrictionContact],
+    balance: Balance = keep_prescribed_motions,
     y: Array | None = None,
     q: list[Array] | None = None,
-    creeping_ratios: tuple[float, ...] = PATH,
-) -> Friction:
+    smoothing_ratios: tuple[float, ...] = PATH,
+) -> FrictionSolution:
     """Solve Coulomb's law and equilibrium, eqs. (1) and (2) of this module, for several contacts.
 
     The results are tangential forces, slips and rigid motions. If Coulomb's law does not converge from the starting values,
@@ -390,14 +398,14 @@ def solve_friction(
     ----------
     contacts : Sequence[Contact]
         The contacts.
-    balance : Balance, default balance_for_prescribed_motions
+    balance : Balance, default keep_prescribed_motions
         Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
         prescribed.
     y : (k,) Array, optional, default None
         Starting values of the motions of all bodies; None: there are no motions.
     q : list[Array] | None, default None
         Starting values: tangential forces of every contact ``(2 n,)`` [N] of a similar solution; None: no such values.
-    creeping_ratios : tuple[float, ...], default PATH
+    smoothing_ratios : tuple[float, ...], default PATH
         Slip speeds by which Coulomb's law is smoothed in turn, over the largest slip, in descending order.
 
     Returns
@@ -405,7 +413,7 @@ def solve_friction(
     Friction
         The solution.
     """
-    system = _FrictionSystem(contacts, balance)
+    system = _FrictionProblem(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
     if q is not None:
         solution = _solve_coulomb_friction(system, [v.copy() for v in q], y)
@@ -413,15 +421,15 @@ def solve_friction(
             return solution
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start = y.copy()
-    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in creeping_ratios:
+    forces = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts]
+    for ratio in smoothing_ratios:
         forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=False)
     solution = _solve_coulomb_friction(system, forces, y)
     if solution.converged:
         return solution
     y = start
-    forces = [full_slip_forces(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for ratio in creeping_ratios:
+    forces = [coulomb_friction_forces(c.friction_limits, c.rigid_slip(y), speed) for c in contacts]
+    for ratio in smoothing_ratios:
         forces, y = _solve_smoothed_friction(system, forces, y, ratio * speed, elastic=True)
         if ratio > SHARPEST:
             continue

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.hifi.rolling.friction import Contact
-from rollbench.hifi.rolling.patch import Patch
+from rollbench.hifi.rolling.friction import FrictionContact
+from rollbench.hifi.rolling.patch import GridContact
 from rollbench.meshes.arrays import Array, Index
 
 #: Number of motions of a ball: along the track, and rotation about its three axes times its radius; all are speeds [m/s].
@@ -21,39 +21,39 @@ MOTIONS = 4
 
 
 @dataclass(frozen=True)
-class Track:
+class TrackMotion:
     """Screw motion along a track (straight, ring or helix) in the axes of a ball, per unit of the track's speed.
 
     The speed is in m/s on a straight track, and in rad/s on a ring or helix.
     """
 
     #: Axis of rotation ``(3,)``, zero or of unit length.
-    axis: Array
+    rotation_axis: Array
     #: Velocity of the ball's centre per unit of speed ``(3,)`` [1 on a straight track, m on a ring or helix].
-    forward: Array
+    centre_velocity: Array
 
     @property
-    def length(self) -> float:
+    def centre_speed(self) -> float:
         """Speed of the ball's centre per unit of the track's speed [1 on a straight track, m on a ring or helix]."""
-        return float(np.linalg.norm(self.forward))
+        return float(np.linalg.norm(self.centre_velocity))
 
     @property
-    def curve(self) -> tuple[float, float] | None:
+    def path_radius_and_rise(self) -> tuple[float, float] | None:
         """Radius of the path's cylinder [m] and rise per angle [m/rad], for a ring or a helix; None: a straight track."""
-        if not self.axis.any():
+        if not self.rotation_axis.any():
             return None
-        rise = float(self.axis @ self.forward)
-        return float(np.sqrt(self.length**2 - rise**2)), rise
+        rise = float(self.rotation_axis @ self.centre_velocity)
+        return float(np.sqrt(self.centre_speed**2 - rise**2)), rise
 
     def track_velocity_field(self, at: Array) -> Array:
         """Compute the velocity of the screw motion per unit of speed ``(..., 3)`` at points (..., 3) [m].
 
         Points, from the ball's centre, and velocities are in the ball's axes.
         """
-        return np.asarray(self.forward + np.cross(self.axis, at))
+        return np.asarray(self.centre_velocity + np.cross(self.rotation_axis, at))
 
 
-def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
+def velocities_by_ball_motions(track: TrackMotion, radius: float, at: Array) -> Array:
     """Compute the velocity of a ball's material at given points per unit of each of the ball's four motions.
 
     The motions are that along the track and the rotations about three axes, the latter as speeds of the surface
@@ -74,7 +74,7 @@ def velocity_matrix(track: Track, radius: float, at: Array) -> Array:
         Velocities of each point along the ball's axes, by 1 m/s of each motion.
     """
     rows = np.empty((*at.shape, MOTIONS))
-    rows[..., 0] = track.track_velocity_field(at) / track.length
+    rows[..., 0] = track.track_velocity_field(at) / track.centre_speed
     for k in range(3):
         rows[..., k + 1] = np.cross(np.eye(3)[k], at) / radius
     return rows
@@ -85,15 +85,15 @@ class GrooveContact:
     """Contact of a rolling ball with a groove: direction, prescribed force, radii and the groove's speed."""
 
     #: Unit vector from the ball's centre to the contact, in the ball's axes ``(3,)``.
-    normal: Array
+    contact_normal: Array
     #: Contact force [N].
-    load: float
+    contact_force: float
     #: Relative radii along and across the groove [m].
-    radii: tuple[float, float]
+    relative_radii: tuple[float, float]
     #: Speed of the groove's body along the track [m/s on a straight track, rad/s on a ring or helix].
-    ride: float
+    groove_speed: float
     #: Unit vector from the ball's centre to the bottom of the groove ``(3,)``; None: unknown (half-spaces do not need it).
-    bottom: Array | None = None
+    direction_to_groove_bottom: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -101,19 +101,19 @@ class BallPairContact:
     """Sliding contact between two neighbouring balls of a track, at one point."""
 
     #: Index of the first ball.
-    one: int
+    first_ball: int
     #: Index of the second ball.
-    two: int
+    second_ball: int
     #: Closing speed (first row) and two sliding speeds of the first ball past the second, by 1 m/s of each of the four
     #: motions of both balls ``(3, 8)``.
-    rows: Array
+    speeds_by_ball_motions: Array
     #: Directions of these three speeds as rows, in common axes ``(3, 3)``: from the first ball to the second, and two
     #: tangents.
     axes: Array
     #: Closing speed of the balls up to which they stay apart [m/s]: in a time step, their gap over the step's duration.
-    apart: float
+    separating_speed: float
 
-    def forces(self, force: float, mu: float, slide: Array) -> Array:
+    def force_on_first_ball(self, force: float, mu: float, slide: Array) -> Array:
         """Compute the force on the first ball, contact force plus friction, in common axes; the second has the opposite.
 
         Parameters
@@ -135,46 +135,46 @@ class BallPairContact:
         return np.asarray(-force * self.axes[0] - rub @ self.axes[1:])
 
     @property
-    def columns(self) -> Index:
+    def motion_indices(self) -> Index:
         """Indices of the motions of both balls in the vector of the motions of all balls ``(8,)``."""
-        return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.one, self.two)])
+        return np.concatenate([MOTIONS * k + np.arange(MOTIONS) for k in (self.first_ball, self.second_ball)])
 
 
 @dataclass(frozen=True)
-class Ball:
+class RollingBall:
     """One rolling ball: its axes and its contacts with grooves."""
 
     #: Axes of the ball as rows, in common coordinates ``(3, 3)``.
-    frame: Array
+    axes: Array
     #: Contacts of the ball with grooves.
-    touches: tuple[GrooveContact, ...]
+    groove_contacts: tuple[GrooveContact, ...]
 
 
 @dataclass(frozen=True)
-class Rolling:
+class RollingBalls:
     """Input of the rolling model: balls on a track with material, friction coefficients and all contacts."""
 
     #: Screw motion of the track.
-    track: Track
+    track: TrackMotion
     #: Radius of the balls [m].
-    radius: float
+    ball_radius: float
     #: Young's modulus [Pa].
     young: float
     #: Poisson's ratio.
     poisson: float
     #: Coefficient of friction at the grooves.
-    mu: float
+    groove_friction_coefficient: float
     #: Coefficient of friction between balls.
-    mu_balls: float
+    ball_friction_coefficient: float
     #: Nominal speed of the balls along the track [m/s on a straight track, rad/s on a ring or helix].
-    orbit: float
+    nominal_track_speed: float
     #: The balls.
-    balls: tuple[Ball, ...]
+    balls: tuple[RollingBall, ...]
     #: Contacts between neighbouring balls.
-    meetings: tuple[BallPairContact, ...] = ()
+    ball_to_ball_contacts: tuple[BallPairContact, ...] = ()
 
 
-def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
+def contact_axes(touch: GrooveContact, scene: RollingBalls) -> Array:
     """Compute the local axes of a contact: x against the flow of material, y across it, and the normal.
 
     Parameters
@@ -194,21 +194,22 @@ def contact_axes(touch: GrooveContact, scene: Rolling) -> Array:
     ValueError
         The groove's body moves at the ball's speed along the track, so that nothing rolls.
     """
-    ride, track = touch.ride - scene.orbit, scene.track
-    flow = ride * track.track_velocity_field(scene.radius * touch.normal)
-    flow = flow - (flow @ touch.normal) * touch.normal
+    ride, track = touch.groove_speed - scene.nominal_track_speed, scene.track
+    flow = ride * track.track_velocity_field(scene.ball_radius * touch.contact_normal)
+    flow = flow - (flow @ touch.contact_normal) * touch.contact_normal
     speed = float(np.linalg.norm(flow))
-    if speed <= 1e-12 * track.length * max(abs(touch.ride), abs(scene.orbit), 1e-300):
+    if speed <= 1e-12 * track.centre_speed * max(abs(touch.groove_speed), abs(scene.nominal_track_speed), 1e-300):
         raise ValueError(
-            f"a ball and its groove both move along the track at a speed of {touch.ride:.4g}, so that the ball does not "
+            f"a ball and its groove both move along the track at a speed of {touch.groove_speed:.4g}, so that the ball "
+            "does not "
             "roll on the groove; allowed: different speeds of ball and groove"
         )
     x = -flow / speed
-    return np.stack([x, np.cross(touch.normal, x), touch.normal])
+    return np.stack([x, np.cross(touch.contact_normal, x), touch.contact_normal])
 
 
 def surface_points_and_tangents(
-    touch: GrooveContact, scene: Rolling, local: Array, *, curved: bool, sunk: float = 0.0
+    touch: GrooveContact, scene: RollingBalls, local: Array, *, curved: bool, depth_of_centre: float = 0.0
 ) -> tuple[Array, Array]:
     """Compute points on the curved contact surface between ball and groove, and the unit tangents of the surface there.
 
@@ -223,7 +224,7 @@ def surface_points_and_tangents(
     curved : bool
         Whether the points lie on the surface that ball and groove share, whose curvature is the mean of both; otherwise
         they lie on the tangent plane.
-    sunk : float, default 0.0
+    depth_of_centre : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
@@ -234,14 +235,14 @@ def surface_points_and_tangents(
         Unit tangents of the surface at each point, along x and y of the contact, in the ball's axes.
     """
     axes = contact_axes(touch, scene)
-    bend = (1.0 / scene.radius - 0.5 / np.array(touch.radii)) * (1.0 if curved else 0.0)
+    bend = (1.0 / scene.ball_radius - 0.5 / np.array(touch.relative_radii)) * (1.0 if curved else 0.0)
     fall = 0.5 * (local**2 @ bend)
-    points = (scene.radius - sunk) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
+    points = (scene.ball_radius - depth_of_centre) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
     tangents = axes[None, :2] - (local * bend)[:, :, None] * axes[2]
     return points, tangents / np.linalg.norm(tangents, axis=2, keepdims=True)
 
 
-def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
+def rolling_speed(touch: GrooveContact, scene: RollingBalls) -> float:
     """Compute the rolling speed of a ball on a groove: the speed at which material passes through the contact.
 
     Parameters
@@ -256,12 +257,24 @@ def rolling_speed(touch: GrooveContact, scene: Rolling) -> float:
     float
         Rolling speed [m/s].
     """
-    return float(np.linalg.norm((touch.ride - scene.orbit) * scene.track.track_velocity_field(scene.radius * touch.normal)))
+    return float(
+        np.linalg.norm(
+            (touch.groove_speed - scene.nominal_track_speed)
+            * scene.track.track_velocity_field(scene.ball_radius * touch.contact_normal)
+        )
+    )
 
 
 def rigid_friction_contact(
-    touch: GrooveContact, scene: Rolling, ball: int, normal: Array, local: Array, *, curved: bool, sunk: float = 0.0
-) -> Contact:
+    touch: GrooveContact,
+    scene: RollingBalls,
+    ball: int,
+    normal: Array,
+    local: Array,
+    *,
+    curved: bool,
+    depth_of_centre: float = 0.0,
+) -> FrictionContact:
     """Create the friction solver's input for a ball's contact with a groove, for rigid bodies.
 
     Parameters
@@ -278,7 +291,7 @@ def rigid_friction_contact(
         Coordinates of the normal forces along the contact's axes x and y [m].
     curved : bool
         Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
-    sunk : float, default 0.0
+    depth_of_centre : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
     Returns
@@ -286,15 +299,19 @@ def rigid_friction_contact(
     Contact
         The contact, for the friction solver.
     """
-    points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, sunk=sunk)
-    rows = np.einsum("nck,nkm->cnm", tangents, velocity_matrix(scene.track, scene.radius, points)).reshape(-1, MOTIONS)
-    given = -touch.ride * np.einsum("nck,nk->cn", tangents, scene.track.track_velocity_field(points)).ravel()
-    return Contact(scene.mu * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given)
+    points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, depth_of_centre=depth_of_centre)
+    rows = np.einsum("nck,nkm->cnm", tangents, velocities_by_ball_motions(scene.track, scene.ball_radius, points)).reshape(
+        -1, MOTIONS
+    )
+    given = -touch.groove_speed * np.einsum("nck,nk->cn", tangents, scene.track.track_velocity_field(points)).ravel()
+    return FrictionContact(
+        scene.groove_friction_coefficient * normal, np.zeros((0, 0)), rows, MOTIONS * ball + np.arange(MOTIONS), given
+    )
 
 
 def elastic_friction_contact(
-    touch: GrooveContact, scene: Rolling, ball: int, patch: Patch, *, curved: bool, elastic: float = 1.0
-) -> Contact:
+    touch: GrooveContact, scene: RollingBalls, ball: int, patch: GridContact, *, curved: bool, elastic_factor: float = 1.0
+) -> FrictionContact:
     """Create the friction solver's input for a ball's contact with a groove, for elastic bodies on the contact's grid.
 
     Parameters
@@ -309,7 +326,7 @@ def elastic_friction_contact(
         Solution of the normal contact on the grid.
     curved : bool
         Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
-    elastic : float, default 1.0
+    elastic_factor : float, default 1.0
         Factor on the tangential compliance of the bodies.
 
     Returns
@@ -318,11 +335,19 @@ def elastic_friction_contact(
         The contact, for the friction solver.
     """
     rigid = rigid_friction_contact(
-        touch, scene, ball, patch.normal, patch.at, curved=curved, sunk=elastic * patch.depth_of_contact_centre
+        touch,
+        scene,
+        ball,
+        patch.normal_forces,
+        patch.cell_centres,
+        curved=curved,
+        depth_of_centre=elastic_factor * patch.depth_of_contact_centre,
     )
-    speed = elastic * rolling_speed(touch, scene)
+    speed = elastic_factor * rolling_speed(touch, scene)
     return replace(
-        rigid, elastic=speed * patch.transport_rate_matrix, given=rigid.given + speed * patch.tangential_displacement_rate
+        rigid,
+        elastic_slip_matrix=speed * patch.elastic_slip_per_rolling_length,
+        prescribed_slip=rigid.prescribed_slip + speed * patch.tangential_displacement_rate,
     )
 
 
@@ -333,7 +358,13 @@ def elastic_friction_contact(
 
 
 def ball_to_ball_contact(
-    one: int, two: int, frames: tuple[Array, Array], line: Array, track: Track, radius: float, apart: float = 0.0
+    one: int,
+    two: int,
+    frames: tuple[Array, Array],
+    line: Array,
+    track: TrackMotion,
+    radius: float,
+    separating_speed: float = 0.0,
 ) -> BallPairContact:
     """Create the contact of two neighbouring balls from their axes and the line between their centres.
 
@@ -349,7 +380,7 @@ def ball_to_ball_contact(
         Screw motion of the track.
     radius : float
         Radius of the balls [m].
-    apart : float, default 0.0
+    separating_speed : float, default 0.0
         Closing speed of the balls up to which they stay apart [m/s]; 0: there is no gap between them.
 
     Returns
@@ -364,9 +395,9 @@ def ball_to_ball_contact(
     for frame, sign in zip(frames, (1.0, -1.0), strict=True):
         local = axes @ frame.T  # the three directions in the ball's axes
         at = sign * radius * local[0]
-        rows = local @ velocity_matrix(track, radius, at[None])[0]
+        rows = local @ velocities_by_ball_motions(track, radius, at[None])[0]
         parts.append(sign * rows)
-    return BallPairContact(one, two, np.hstack(parts), axes, apart)
+    return BallPairContact(one, two, np.hstack(parts), axes, separating_speed)
 
 
 @dataclass(frozen=True)
@@ -378,9 +409,9 @@ class BallEquilibrium:
     """
 
     #: The balls.
-    scene: Rolling
+    rolling_balls: RollingBalls
     #: Factor by which closing speeds are multiplied to be compared with forces [N s/m].
-    weight: float
+    force_per_closing_speed: float
 
     def __call__(self, y: Array) -> tuple[Array, Array]:
         """Evaluate the equations and their derivatives at motions and forces ``y`` (u,).
@@ -388,22 +419,22 @@ class BallEquilibrium:
         Returns f ``(u,)``, the forces on each motion [N] and then the complementarity of each ball-to-ball contact [N], and
         df/dy ``(u, u)``.
         """
-        mu, m = self.scene.mu_balls, MOTIONS * len(self.scene.balls)
+        mu, m = self.rolling_balls.ball_friction_coefficient, MOTIONS * len(self.rolling_balls.balls)
         f, S = np.zeros(y.size), np.zeros((y.size, y.size))
-        for k, pair in enumerate(self.scene.meetings):
-            i, row = pair.columns, m + k
-            force, speeds = float(y[row]), pair.rows @ y[i]
-            closing, slide = speeds[0] - pair.apart, speeds[1:]
+        for k, pair in enumerate(self.rolling_balls.ball_to_ball_contacts):
+            i, row = pair.motion_indices, m + k
+            force, speeds = float(y[row]), pair.speeds_by_ball_motions @ y[i]
+            closing, slide = speeds[0] - pair.separating_speed, speeds[1:]
             size = float(np.linalg.norm(slide))
             unit = slide / size if size > 0.0 else slide
             turn = (np.eye(2) - np.outer(unit, unit)) / size if size > 0.0 else np.zeros((2, 2))
-            along = pair.rows[0] + mu * unit @ pair.rows[1:]
+            along = pair.speeds_by_ball_motions[0] + mu * unit @ pair.speeds_by_ball_motions[1:]
             f[i] -= force * along
             S[i, row] -= along
-            S[np.ix_(i, i)] -= force * mu * pair.rows[1:].T @ turn @ pair.rows[1:]
-            if force + self.weight * closing > 0.0:
-                f[row] = self.weight * closing
-                S[row, i] = self.weight * pair.rows[0]
+            S[np.ix_(i, i)] -= force * mu * pair.speeds_by_ball_motions[1:].T @ turn @ pair.speeds_by_ball_motions[1:]
+            if force + self.force_per_closing_speed * closing > 0.0:
+                f[row] = self.force_per_closing_speed * closing
+                S[row, i] = self.force_per_closing_speed * pair.speeds_by_ball_motions[0]
             else:
                 f[row] = force
                 S[row, row] = 1.0

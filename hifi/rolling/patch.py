@@ -11,7 +11,7 @@ the half-space's, singular at x = x', plus a part that varies slowly over a cont
 
 Phi the monomials of x and y for each of the three directions. Rows: displacement of the ball past the groove along x and
 y, and the separation along the normal; columns: forces on the ball along x and y, and normal force, as in
-`hifi.rolling.patch.rectangle_influence`.
+`hifi.rolling.patch.displacement_by_rectangle`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.meshes.arrays import Array, Index
 
 
@@ -68,20 +68,20 @@ def monomials(at: Array, scale: tuple[float, float], degree: int) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothKernel:
+class ComplianceKernel:
     """Difference between the contact compliance of finite bodies and of half-spaces, as a polynomial kernel in x and y."""
 
     #: Coefficients M of the kernel between k monomials ``(3 k, 3 k)`` [m/N]: k along x, then k along y, then k along the
     #: normal.
     M: Array
     #: Lengths by which x and y are divided in the monomials [m].
-    scale: tuple[float, float]
+    coordinate_scales: tuple[float, float]
     #: Degree of the monomials.
     degree: int
 
-    def __add__(self, other: SmoothKernel) -> SmoothKernel:
+    def __add__(self, other: ComplianceKernel) -> ComplianceKernel:
         """Add the kernels of two bodies. Raises ValueError if their monomials differ."""
-        if (self.scale, self.degree) != (other.scale, other.degree):
+        if (self.coordinate_scales, self.degree) != (other.coordinate_scales, other.degree):
             raise ValueError(
                 "the compliance kernels of two bodies cannot be added, because they differ in the degree or the scale of "
                 "their polynomials: compute both for the same contact zone and degree"
@@ -89,14 +89,14 @@ class SmoothKernel:
         return replace(self, M=self.M + other.M)
 
     @cached_property
-    def rotated_by_half_turn(self) -> SmoothKernel:
+    def rotated_by_half_turn(self) -> ComplianceKernel:
         """The same kernel in axes that are turned by 180 degrees about the contact normal."""
         odd = (-1.0) ** monomial_exponents(self.degree).sum(axis=1)
         signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
 
     @cached_property
-    def symmetric_in_x(self) -> SmoothKernel:
+    def symmetric_in_x(self) -> ComplianceKernel:
         """Mean of the kernel and its mirror image in x, for bodies that are symmetric along the rolling direction."""
         odd = (-1.0) ** monomial_exponents(self.degree)[:, 0]
         signs = np.concatenate([-odd, odd, odd])
@@ -110,7 +110,7 @@ class SmoothKernel:
         k = len(self.M) // 3
         return self.M[rows.start * k : rows.stop * k, columns.start * k : columns.stop * k]
 
-    def block(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
+    def displacements_by_unit_forces(self, at: Array, rows: slice, columns: slice, shift: float = 0.0) -> Array:
         """Compute the displacements that the kernel gives at n points by unit forces at these points.
 
         Parameters
@@ -127,22 +127,22 @@ class SmoothKernel:
         (r n, c n) Array
             Displacements per unit of force [m/N]; rows and columns are n for the first direction, then n for the second.
         """
-        to = monomials(at + np.array([shift, 0.0]), self.scale, self.degree)
-        by = monomials(at, self.scale, self.degree)
+        to = monomials(at + np.array([shift, 0.0]), self.coordinate_scales, self.degree)
+        by = monomials(at, self.coordinate_scales, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
-    def slope(self, at: Array, rows: slice, columns: slice) -> Array:
+    def displacement_slopes(self, at: Array, rows: slice, columns: slice) -> Array:
         """Compute the derivative with respect to x of the displacements that `block` gives ``(r n, c n)`` [1/N].
 
         The arguments and the order of rows and columns are those of `block`.
         """
         powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
-        unit = at / np.array(self.scale)
-        to = powers[:, 0] / self.scale[0] * np.prod(unit[:, None] ** lower, axis=2)
-        by = monomials(at, self.scale, self.degree)
+        unit = at / np.array(self.coordinate_scales)
+        to = powers[:, 0] / self.coordinate_scales[0] * np.prod(unit[:, None] ** lower, axis=2)
+        by = monomials(at, self.coordinate_scales, self.degree)
         left = np.kron(np.eye(rows.stop - rows.start), to)
         right = np.kron(np.eye(columns.stop - columns.start), by)
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
@@ -198,7 +198,7 @@ def _log_term_without_cancellation(x: Array, y: Array) -> Array:
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
 
 
-def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
+def displacement_by_rectangle(x: Array, y: Array, dx: float, dy: float, young: float, poisson: float) -> Array:
     """Compute the relative displacement of two half-spaces of one material under unit tractions on a rectangle.
 
     Boussinesq's and Cerruti's point forces are integrated exactly. As both bodies are of one material, normal tractions
@@ -227,7 +227,7 @@ def rectangle_influence(x: Array, y: Array, dx: float, dy: float, young: float, 
 
     Examples
     --------
-    >>> square = rectangle_influence(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
+    >>> square = displacement_by_rectangle(np.array(0.0), np.array(0.0), 2e-4, 2e-4, 210e9, 0.3)[2, 2]
     >>> f"{square * 210e9 / (2.0 * (1.0 - 0.3**2)) / 1e-4:.4f}"  # 8 ln(1 + sqrt 2) / pi
     '2.2444'
     """
@@ -261,7 +261,7 @@ def _influence_table(
     span = np.ptp(cells, axis=0)
     dx, dy = size
     x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
-    return np.asarray(rectangle_influence(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
+    return np.asarray(displacement_by_rectangle(x, y, dx, dy, *material)[..., directions, directions] / (dx * dy))
 
 
 def _expand_influence_table(cells: Index, table: Array) -> Array:
@@ -280,7 +280,7 @@ def _expand_influence_table(cells: Index, table: Array) -> Array:
 
 
 def solve_normal_contact(
-    cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], extra: Array | None = None
+    cells: Index, size: Array, gap: Array, load: float, material: tuple[float, float], added_compliance: Array | None = None
 ) -> tuple[Array, float]:
     """Solve the frictionless normal contact of two bodies on a grid of cells by an active-set method.
 
@@ -298,7 +298,7 @@ def solve_normal_contact(
         Normal load [N].
     material : tuple[float, float]
         Young's modulus [Pa] and Poisson's ratio of both bodies.
-    extra : (n, n) Array, optional, default None
+    added_compliance : (n, n) Array, optional, default None
         Compliance of finite bodies along the normal, in addition to that of half-spaces [m/N]; None: half-spaces.
 
     Returns
@@ -313,7 +313,9 @@ def solve_normal_contact(
     ValueError
         The set of cells in contact does not converge.
     """
-    C = _expand_influence_table(cells, _influence_table(cells, size, material, NORMAL)) + (0.0 if extra is None else extra)
+    C = _expand_influence_table(cells, _influence_table(cells, size, material, NORMAL)) + (
+        0.0 if added_compliance is None else added_compliance
+    )
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)
@@ -334,34 +336,34 @@ def solve_normal_contact(
 
 
 @dataclass(frozen=True)
-class Patch:
+class GridContact:
     """Solved normal contact of two bodies on a grid of n cells, with the material for its tangential compliance."""
 
     #: Columns and rows of the cells on a grid ``(n, 2)``.
-    cells: Index
+    cell_indices: Index
     #: Centres x, y of the cells ``(n, 2)`` [m].
-    at: Array
+    cell_centres: Array
     #: Sides of a cell along x and y ``(2,)`` [m].
-    size: Array
+    cell_size: Array
     #: Normal forces ``(n,)`` [N].
-    normal: Array
+    normal_forces: Array
     #: Young's modulus [Pa] and Poisson's ratio of both bodies.
-    material: tuple[float, float]
+    elastic_constants: tuple[float, float]
     #: Approach of the bodies [m].
     approach: float
     #: Compliance of the finite bodies less that of half-spaces; None: the bodies are half-spaces.
-    regular: SmoothKernel | None = None
+    finite_body_kernel: ComplianceKernel | None = None
 
     @property
-    def load(self) -> float:
+    def normal_load(self) -> float:
         """Normal force [N]."""
-        return float(self.normal.sum())
+        return float(self.normal_forces.sum())
 
     def _tabulate_tangential_influence(self, shift: float) -> Array:
         """Tabulate tangential displacements of half-spaces ``shift`` [m] upstream of the cells by unit forces on a cell."""
-        return _influence_table(self.cells, self.size, self.material, TANGENTS, shift)
+        return _influence_table(self.cell_indices, self.cell_size, self.elastic_constants, TANGENTS, shift)
 
-    def tangential(self, shift: float = 0.0) -> Array:
+    def tangential_compliance(self, shift: float = 0.0) -> Array:
         """Compute the tangential compliance between the cells: relative displacement by unit forces, uniform over a cell.
 
         Parameters
@@ -374,8 +376,13 @@ class Patch:
         (2 n, 2 n) Array
             Displacement of body 1 past body 2 by unit forces [m/N], n rows and columns along x, then n along y.
         """
-        half_space = _expand_influence_table(self.cells, self._tabulate_tangential_influence(shift))
-        return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
+        half_space = _expand_influence_table(self.cell_indices, self._tabulate_tangential_influence(shift))
+        return (
+            half_space
+            if self.finite_body_kernel is None
+            else half_space
+            + self.finite_body_kernel.displacements_by_unit_forces(self.cell_centres, TANGENTS, TANGENTS, shift)
+        )
 
     @property
     def tangential_displacement_rate(self) -> Array:
@@ -383,9 +390,11 @@ class Patch:
 
         It is zero for half-spaces of the same material.
         """
-        if self.regular is None:
-            return np.zeros(2 * len(self.at))
-        return np.asarray(-self.regular.slope(self.at, TANGENTS, NORMAL) @ self.normal)
+        if self.finite_body_kernel is None:
+            return np.zeros(2 * len(self.cell_centres))
+        return np.asarray(
+            -self.finite_body_kernel.displacement_slopes(self.cell_centres, TANGENTS, NORMAL) @ self.normal_forces
+        )
 
     @property
     def depth_of_contact_centre(self) -> float:
@@ -393,27 +402,31 @@ class Patch:
 
         It is 0 for half-spaces, where the rolling radius is the ball's.
         """
-        return 0.0 if self.regular is None else 0.5 * self.approach
+        return 0.0 if self.finite_body_kernel is None else 0.5 * self.approach
 
     @cached_property
-    def transport_rate_matrix(self) -> Array:
+    def elastic_slip_per_rolling_length(self) -> Array:
         """Elastic slip per length of rolling by unit tangential forces on the cells, all x then all y ``(2 n, 2 n)`` [1/N].
 
         It is the change of the displacement along the flow of material through the contact, by a backward difference of
         second order with steps of `STEP` cells. Displacements are known everywhere, so that nothing is interpolated. The
         symmetric part of the matrix is positive: the differences dissipate work.
         """
-        step = STEP * float(self.size[0])
+        step = STEP * float(self.cell_size[0])
         half_space = _expand_influence_table(
-            self.cells, _backward_difference([self._tabulate_tangential_influence(k * step) for k in range(3)], step)
+            self.cell_indices, _backward_difference([self._tabulate_tangential_influence(k * step) for k in range(3)], step)
         )
-        if self.regular is None:
+        if self.finite_body_kernel is None:
             return half_space
         return half_space + _backward_difference(
-            [self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step
+            [
+                self.finite_body_kernel.displacements_by_unit_forces(self.cell_centres, TANGENTS, TANGENTS, k * step)
+                for k in range(3)
+            ],
+            step,
         )
 
-    def scaled(self, length: float, force: float) -> Patch:
+    def similar_contact(self, length: float, force: float) -> GridContact:
         """Return a geometrically similar contact of half-spaces, with lengths and normal forces multiplied by factors.
 
         Parameters
@@ -433,17 +446,21 @@ class Patch:
         ValueError
             The bodies are finite, so that contacts under different forces are not similar.
         """
-        if self.regular is not None:
+        if self.finite_body_kernel is not None:
             raise ValueError(
                 "a contact of finite bodies cannot be scaled to another force, because their contacts are not similar: "
                 "solve it for that force"
             )
         square = length * length
         out = replace(
-            self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
+            self,
+            cell_centres=self.cell_centres * length,
+            cell_size=self.cell_size * length,
+            normal_forces=self.normal_forces * force,
+            approach=self.approach * square,
         )
-        if "transport_rate_matrix" in self.__dict__:  # [1/N]: compliance over length
-            out.__dict__["transport_rate_matrix"] = self.transport_rate_matrix / square
+        if "elastic_slip_per_rolling_length" in self.__dict__:  # [1/N]: compliance over length
+            out.__dict__["elastic_slip_per_rolling_length"] = self.elastic_slip_per_rolling_length / square
         return out
 
 
@@ -456,7 +473,7 @@ def _backward_difference(values: list[Array], step: float) -> Array:
     return np.asarray((3.0 * current - 4.0 * before + first) / (2.0 * step))
 
 
-def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
+def create_cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     """Create a rectangular grid of cells about the origin.
 
     Parameters
@@ -483,8 +500,8 @@ def cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
 
 
-def equivalent_radii(
-    load: float, radii: tuple[float, float], young: float, poisson: float, regular: SmoothKernel | None
+def equivalent_half_space_radii(
+    load: float, radii: tuple[float, float], young: float, poisson: float, finite_body_kernel: ComplianceKernel | None
 ) -> tuple[float, float]:
     """Compute relative radii of curvature with which half-spaces have nearly the same contact as finite bodies.
 
@@ -500,7 +517,7 @@ def equivalent_radii(
         Young's modulus [Pa].
     poisson : float
         Poisson's ratio.
-    regular : SmoothKernel | None
+    finite_body_kernel : ComplianceKernel | None
         Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces.
 
     Returns
@@ -508,14 +525,14 @@ def equivalent_radii(
     tuple[float, float]
         Relative radii of the half-spaces along x and y [m].
     """
-    if regular is None:
+    if finite_body_kernel is None:
         return radii
-    ellipse = hertz(load, *radii, young, poisson)
+    ellipse = solve_hertz(load, *radii, young, poisson)
     unit = (np.arange(POINTS) + 0.5) / POINTS * 2.0 - 1.0
     at = np.stack(np.meshgrid(unit * ellipse.semi_x, unit * ellipse.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
     pressure = np.nan_to_num(ellipse.pressure(at[:, 0], at[:, 1]))
     force = load * pressure / pressure.sum()
-    added = regular.block(at, NORMAL, NORMAL) @ force
+    added = finite_body_kernel.displacements_by_unit_forces(at, NORMAL, NORMAL) @ force
     weight = np.sqrt(force)
     rows = np.column_stack([np.ones(len(at)), at, 0.5 * at**2])
     bend = np.linalg.lstsq(rows * weight[:, None], added * weight, rcond=None)[0][-2:]
@@ -525,13 +542,13 @@ def equivalent_radii(
 
 def solve_elastic_contact_on_grid(
     load: float,
-    radii: tuple[float, float],
+    relative_radii: tuple[float, float],
     young: float,
     poisson: float,
     shape: tuple[int, int],
-    regular: SmoothKernel | None = None,
+    finite_body_kernel: ComplianceKernel | None = None,
     margin: float = MARGIN,
-) -> Patch:
+) -> GridContact:
     """Solve the normal contact of two bodies of one material on a grid of cells that covers Hertz's ellipse.
 
     The pressure solves the contact problem of the grid. Cells that carry no force are left out of the result.
@@ -540,7 +557,7 @@ def solve_elastic_contact_on_grid(
     ----------
     load : float
         Normal load [N].
-    radii : tuple[float, float]
+    relative_radii : tuple[float, float]
         Relative radii along x and y [m].
     young : float
         Young's modulus [Pa].
@@ -548,7 +565,7 @@ def solve_elastic_contact_on_grid(
         Poisson's ratio.
     shape : tuple[int, int]
         Numbers of cells along x and y.
-    regular : SmoothKernel | None, default None
+    finite_body_kernel : ComplianceKernel | None, default None
         Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces. Only
         `Patch.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
@@ -564,11 +581,13 @@ def solve_elastic_contact_on_grid(
     ValueError
         Load, radii or material are not those of a Hertzian contact, or the set of closed cells does not converge.
     """
-    ellipse = hertz(load, *equivalent_radii(load, radii, young, poisson, regular), young, poisson)
+    ellipse = solve_hertz(
+        load, *equivalent_half_space_radii(load, relative_radii, young, poisson, finite_body_kernel), young, poisson
+    )
     size = 2.0 * margin * np.array([ellipse.semi_x, ellipse.semi_y]) / np.array(shape)
-    cells, at = cell_grid(shape, size)
-    gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
-    extra = None if regular is None else regular.block(at, NORMAL, NORMAL)
+    cells, at = create_cell_grid(shape, size)
+    gap = 0.5 * (at[:, 0] ** 2 / relative_radii[0] + at[:, 1] ** 2 / relative_radii[1])
+    extra = None if finite_body_kernel is None else finite_body_kernel.displacements_by_unit_forces(at, NORMAL, NORMAL)
     forces, approach = solve_normal_contact(cells, size, gap, load, (young, poisson), extra)
     inside = forces > 0.0
-    return Patch(cells[inside], at[inside], size, forces[inside], (young, poisson), approach, regular)
+    return GridContact(cells[inside], at[inside], size, forces[inside], (young, poisson), approach, finite_body_kernel)

@@ -21,45 +21,52 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize, root
 
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling.balls import (
-    Choices,
     RollingResult,
+    RollingSettings,
     copy_without_ball_to_ball_contacts,
     loaded_contacts,
     solve_rolling,
 )
-from rollbench.hifi.rolling.kinematics import Ball, BallPairContact, GrooveContact, Rolling, Track, ball_to_ball_contact
+from rollbench.hifi.rolling.kinematics import (
+    BallPairContact,
+    GrooveContact,
+    RollingBall,
+    RollingBalls,
+    TrackMotion,
+    ball_to_ball_contact,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 
 
 @dataclass(frozen=True)
-class Layout:
+class BallLayoutOnTrack:
     """Geometry and speeds of N rolling balls and of the k groove contacts of each ball."""
 
     #: Screw motion of the track, in the axes of every ball.
-    track: Track
+    track: TrackMotion
     #: Axes of each ball as rows, in common axes ``(N, 3, 3)``.
-    frames: Array
+    ball_axes: Array
     #: Two unit vectors that span the plane of the track's section, in a ball's axes ``(2, 3)``.
-    section: Array
+    section_directions: Array
     #: Ball radius [m].
-    radius: float
+    ball_radius: float
     #: Groove radius [m].
     groove_radius: float
     #: Relative radii along and across every groove ``(k, 2)`` [m].
-    radii: Array
+    relative_radii: Array
     #: Speeds of the grooves' bodies along the track ``(k,)`` [m/s on a straight track, rad/s on a ring or helix].
-    ride: Array
+    groove_speeds: Array
     #: Nominal speed of the balls along the track, in the same unit.
-    orbit: float
+    nominal_track_speed: float
     #: Contacts between neighbouring balls.
-    meetings: tuple[BallPairContact, ...]
+    ball_to_ball_contacts: tuple[BallPairContact, ...]
 
 
 @dataclass(frozen=True)
-class Material:
+class RollingMaterial:
     """Elastic constants of balls and grooves (one material), and coefficients of friction."""
 
     #: Young's modulus [Pa].
@@ -67,12 +74,14 @@ class Material:
     #: Poisson's ratio.
     poisson: float
     #: Coefficient of friction at the grooves.
-    mu: float
+    groove_friction_coefficient: float
     #: Coefficient of friction between balls.
-    mu_balls: float
+    ball_friction_coefficient: float
 
 
-def rolling_scene(layout: Layout, material: Material, contact_normals: Array, loads: Array) -> Rolling:
+def create_rolling_balls(
+    layout: BallLayoutOnTrack, material: RollingMaterial, contact_normals: Array, loads: Array
+) -> RollingBalls:
     """Create the input of the rolling model from the positions of balls, and the directions and loads of their contacts.
 
     Parameters
@@ -92,36 +101,44 @@ def rolling_scene(layout: Layout, material: Material, contact_normals: Array, lo
         The rolling balls.
     """
     balls = []
-    for frame, n, force in zip(layout.frames, contact_normals, loads, strict=True):
+    for frame, n, force in zip(layout.ball_axes, contact_normals, loads, strict=True):
         touches = [
             GrooveContact(
-                n[k] @ layout.section,
+                n[k] @ layout.section_directions,
                 float(force[k]),
-                (layout.radii[k, 0], layout.radii[k, 1]),
-                float(layout.ride[k]),
-                _groove_bottom(n, layout.ride, k) @ layout.section,
+                (layout.relative_radii[k, 0], layout.relative_radii[k, 1]),
+                float(layout.groove_speeds[k]),
+                _groove_bottom(n, layout.groove_speeds, k) @ layout.section_directions,
             )
             for k in range(force.size)
         ]
-        balls.append(Ball(frame, tuple(touches)))
+        balls.append(RollingBall(frame, tuple(touches)))
     m = material
-    return Rolling(
-        layout.track, layout.radius, m.young, m.poisson, m.mu, m.mu_balls, layout.orbit, tuple(balls), layout.meetings
+    return RollingBalls(
+        layout.track,
+        layout.ball_radius,
+        m.young,
+        m.poisson,
+        m.groove_friction_coefficient,
+        m.ball_friction_coefficient,
+        layout.nominal_track_speed,
+        tuple(balls),
+        layout.ball_to_ball_contacts,
     )
 
 
-def _groove_bottom(normals: Array, ride: Array, k: int) -> Array:
+def _groove_bottom(normals: Array, groove_speeds: Array, k: int) -> Array:
     """Return the unit vector from a ball's centre to the bottom of a groove, in the plane of the section ``(2,)``.
 
     ``k``: index of a contact with the groove. The vector lies between the contacts with both arcs of the groove.
-    ``normals``: unit vectors to the ball's contacts (k, 2); ``ride``: speeds of the grooves' bodies (k,), by which the two
-    arcs of one body are recognised.
+    ``normals``: unit vectors to the ball's contacts (k, 2); ``groove_speeds``: speeds of the grooves' bodies (k,), by which
+    the two arcs of one body are recognised.
     """
-    bottom = normals[ride == ride[k]].sum(axis=0)
+    bottom = normals[groove_speeds == groove_speeds[k]].sum(axis=0)
     return np.asarray(bottom / np.linalg.norm(bottom))
 
 
-def hertz_constants(layout: Layout, material: Material) -> Array:
+def hertz_constants(layout: BallLayoutOnTrack, material: RollingMaterial) -> Array:
     """Compute the Hertz constant C of a ball's contact with each groove, for the approach C F^(2/3) under the force F.
 
     Parameters
@@ -136,15 +153,15 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
     (k,) Array
         Constants [m/N^(2/3)].
     """
-    return np.array([hertz(1.0, a, b, material.young, material.poisson).approach for a, b in layout.radii])
+    return np.array([solve_hertz(1.0, a, b, material.young, material.poisson).approach for a, b in layout.relative_radii])
 
 
 # --- layouts
 
 
-def linear_layout(
-    radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
-) -> Layout:
+def place_balls_on_straight_track(
+    radius: float, groove_radius: float, count: int, groove_moves: ArrayLike, speed: float, neighbours_may_touch: ArrayLike
+) -> BallLayoutOnTrack:
     """Place balls in a row on a straight track along z (linear bearing); sections of the track lie in x and y.
 
     Parameters
@@ -153,11 +170,11 @@ def linear_layout(
         Radii of balls and grooves [m].
     count : int
         Number of balls.
-    moving : (k,) array
+    groove_moves : (k,) array
         1 or True for each groove that moves, else 0.
     speed : float
         Speed of these grooves [m/s].
-    touch : (count - 1,) array
+    neighbours_may_touch : (count - 1,) array
         1 or True for each pair of neighbouring balls that can touch, else 0.
 
     Returns
@@ -165,16 +182,24 @@ def linear_layout(
     Layout
         Positions of balls and grooves.
     """
-    track = Track(np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    track = TrackMotion(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
     pairs = tuple(
         ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
-        for k in np.flatnonzero(np.asarray(touch)).tolist()
+        for k in np.flatnonzero(np.asarray(neighbours_may_touch)).tolist()
     )
-    radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(moving), 1))
-    return Layout(
-        track, frames, np.eye(3)[:2], radius, groove_radius, radii, speed * np.asarray(moving, float), 0.5 * speed, pairs
+    radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(groove_moves), 1))
+    return BallLayoutOnTrack(
+        track,
+        frames,
+        np.eye(3)[:2],
+        radius,
+        groove_radius,
+        radii,
+        speed * np.asarray(groove_moves, float),
+        0.5 * speed,
+        pairs,
     )
 
 
@@ -205,16 +230,16 @@ def relative_radius_along(radius: float, pitch_radius: float, lead_angle: float,
     return float(1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius)))
 
 
-def screw_layout(
+def place_balls_along_helix(
     radius: float,
     groove_radius: float,
     pitch_radius: float,
     lead: float,
     contact_angle: float,
-    outward: Array,
-    ride: Array,
+    groove_sides: Array,
+    groove_speeds: Array,
     count: int,
-) -> Layout:
+) -> BallLayoutOnTrack:
     """Place touching balls along a helix, in the axes of Lin (2019), section 3.4.1.
 
     The axes of a ball are x3, radially outward; y3, along the helix; and z3, across the helix.
@@ -227,9 +252,9 @@ def screw_layout(
         Lead of the helix [m]; negative: left-hand.
     contact_angle : float
         Contact angle [rad].
-    outward : (k,) Array
+    groove_sides : (k,) Array
         -1 for the screw's grooves, 1 for the nut's.
-    ride : (k,) Array
+    groove_speeds : (k,) Array
         Speeds of the grooves' bodies [rad/s].
     count : int
         Number of balls.
@@ -241,7 +266,7 @@ def screw_layout(
     """
     rise = lead / (2.0 * np.pi)
     length, angle = float(np.hypot(pitch_radius, rise)), float(np.arctan2(rise, pitch_radius))
-    track = Track(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
+    track = TrackMotion(np.array([0.0, np.sin(angle), np.cos(angle)]), np.array([0.0, length, 0.0]))
 
     def gap_of_neighbours(step: float) -> float:
         """Return the gap [m] between neighbouring balls whose azimuths differ by ``step`` [rad]."""
@@ -258,12 +283,14 @@ def screw_layout(
         pairs.append(ball_to_ball_contact(k, k + 1, (frames[k], frames[k + 1]), line, track, radius))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
     radii = np.array(
-        [[relative_radius_along(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in outward]
+        [[relative_radius_along(radius, pitch_radius, angle, o * np.cos(contact_angle)), across] for o in groove_sides]
     )
-    inner, outer = (float(np.mean(ride[outward == o])) for o in (-1.0, 1.0))
+    inner, outer = (float(np.mean(groove_speeds[groove_sides == o])) for o in (-1.0, 1.0))
     lever = radius * np.cos(contact_angle) * np.cos(angle) / length
     orbit = 0.5 * (outer + inner + lever * (outer - inner))
-    return Layout(track, frames, np.eye(3)[[0, 2]], radius, groove_radius, radii, ride, orbit, tuple(pairs))
+    return BallLayoutOnTrack(
+        track, frames, np.eye(3)[[0, 2]], radius, groove_radius, radii, groove_speeds, orbit, tuple(pairs)
+    )
 
 
 def _ball_axes(azimuth: float, angle: float) -> Array:
@@ -275,9 +302,14 @@ def _ball_axes(azimuth: float, angle: float) -> Array:
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
 
-def ring_layout(
-    radius: float, groove_radius: float, pitch_radius: float, contact_angle: float, outward: Array, ride: Array
-) -> Layout:
+def place_ball_in_ring(
+    radius: float,
+    groove_radius: float,
+    pitch_radius: float,
+    contact_angle: float,
+    groove_sides: Array,
+    groove_speeds: Array,
+) -> BallLayoutOnTrack:
     """Place one ball in a ring bearing: x along its axis, y radially outward, z along the path (Lin 2019, section 3.2.1).
 
     Parameters
@@ -286,9 +318,9 @@ def ring_layout(
         Radii of the ball, of the grooves and of the pitch circle [m].
     contact_angle : float
         Contact angle [rad].
-    outward : (k,) Array
+    groove_sides : (k,) Array
         -1 for the inner ring's grooves, 1 for the outer ring's.
-    ride : (k,) Array
+    groove_speeds : (k,) Array
         Speeds of the grooves' bodies [rad/s].
 
     Returns
@@ -296,14 +328,14 @@ def ring_layout(
     Layout
         Position of the ball and its grooves.
     """
-    track = Track(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
+    track = TrackMotion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
     across = 1.0 / (1.0 / radius - 1.0 / groove_radius)
     radii = np.array(
-        [[relative_radius_along(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in outward]
+        [[relative_radius_along(radius, pitch_radius, 0.0, o * np.cos(contact_angle)), across] for o in groove_sides]
     )
-    inner, outer = (float(np.mean(ride[outward == o])) for o in (-1.0, 1.0))
+    inner, outer = (float(np.mean(groove_speeds[groove_sides == o])) for o in (-1.0, 1.0))
     orbit = 0.5 * (outer + inner + radius * np.cos(contact_angle) / pitch_radius * (outer - inner))
-    return Layout(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, ride, orbit, ())
+    return BallLayoutOnTrack(track, np.eye(3)[None], np.eye(3)[:2], radius, groove_radius, radii, groove_speeds, orbit, ())
 
 
 #: Number of Newton's steps that follow the search for the minimum of energy, and largest unbalanced force over the sum of
@@ -319,27 +351,27 @@ class StaticProblem:
     """
 
     #: Unit vectors from each ball's centre to its unloaded contacts, in the section ``(N, k, 2)``.
-    normals: Array
+    unloaded_normals: Array
     #: Groove radius less ball radius [m].
-    reach: float
+    radius_difference: float
     #: Interference of ball and groove in the undisplaced state ``(N, k)`` [m].
     interference: Array
     #: Hertz constants C of the contacts ``(N, k)`` [m/N^(2/3)], for the approach C F^(2/3).
-    C: Array
+    hertz_constants: Array
     #: Whether each groove is one of the inner body ``(k,)``.
-    inner: NDArray[np.bool_]
+    on_inner_body: NDArray[np.bool_]
     #: Displacement of the inner body in each ball's section by a unit of each free motion ``(N, 2, m)``.
-    rows: Array
+    inner_body_motions: Array
     #: Prescribed displacement of the inner body in each ball's section ``(N, 2)`` [m].
-    offset: Array
+    inner_body_displacement: Array
     #: Applied forces on the inner body along its free motions ``(m,)`` [N].
-    pull: Array
+    forces_on_inner_body: Array
     #: Applied forces on the balls in their sections ``(N, 2)`` [N].
-    push: Array
+    forces_on_balls: Array
 
 
 @dataclass(frozen=True)
-class Loads:
+class StaticEquilibrium:
     """Contact forces and displacements in the static equilibrium of the balls and the inner body."""
 
     #: Contact forces ``(N, k)`` [N].
@@ -359,12 +391,12 @@ class Loads:
         return self.left <= BALANCED
 
 
-def solve_static_problem(cell: StaticProblem) -> Loads:
+def solve_static_problem(static_problem: StaticProblem) -> StaticEquilibrium:
     """Solve the static equilibrium of balls and inner body (screw, inner ring or carriage) with Hertz contacts.
 
     Parameters
     ----------
-    cell : StaticProblem
+    static_problem : StaticProblem
         The static problem.
 
     Returns
@@ -372,22 +404,25 @@ def solve_static_problem(cell: StaticProblem) -> Loads:
     Loads
         Contact forces and displacements; ``converged`` is False if there is no equilibrium.
     """
-    N, m = cell.normals.shape[0], cell.pull.size
-    size = float(np.abs(cell.pull).sum() + np.abs(cell.push).sum())
-    stiff = cell.C.mean()
-    squeezed = float(np.abs(cell.interference).max(initial=0.0) + np.abs(cell.offset).max(initial=0.0))
+    N, m = static_problem.unloaded_normals.shape[0], static_problem.forces_on_inner_body.size
+    size = float(np.abs(static_problem.forces_on_inner_body).sum() + np.abs(static_problem.forces_on_balls).sum())
+    stiff = static_problem.hertz_constants.mean()
+    squeezed = float(
+        np.abs(static_problem.interference).max(initial=0.0)
+        + np.abs(static_problem.inner_body_displacement).max(initial=0.0)
+    )
     size = max(size, (squeezed / stiff) ** 1.5)
     unit = stiff * size ** (2.0 / 3.0)
-    start = np.concatenate([np.zeros(2 * N), cell.pull / size * 4.0])
+    start = np.concatenate([np.zeros(2 * N), static_problem.forces_on_inner_body / size * 4.0])
     if m:
-        start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", cell.rows, start[2 * N :]).ravel()
+        start[: 2 * N] = 0.5 * np.einsum("nim,m->ni", static_problem.inner_body_motions, start[2 * N :]).ravel()
 
     def energy(x: Array) -> tuple[float, Array]:
-        e, g, _ = _energy_derivatives(cell, x * unit)
+        e, g, _ = _energy_derivatives(static_problem, x * unit)
         return e / (size * unit), g / size
 
     def hessian(x: Array) -> Array:
-        return np.asarray(_energy_derivatives(cell, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
+        return np.asarray(_energy_derivatives(static_problem, x * unit)[2] * (unit / size)) + 1e-9 * np.eye(x.size)
 
     x = minimize(energy, start, jac=True, hess=hessian, method="trust-exact", options={"gtol": 1e-8, "maxiter": 500}).x
     best = x
@@ -396,47 +431,65 @@ def solve_static_problem(cell: StaticProblem) -> Loads:
         if np.linalg.norm(g) < np.linalg.norm(energy(best)[1]):
             best = x
         x = x - np.linalg.solve(hessian(x), g)
-    force, normal, _ = _contact_forces_at_displacements(cell, best * unit)
+    force, normal, _ = _contact_forces_at_displacements(static_problem, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
-    if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
+    if np.any(
+        (force > 0.0) & ((normal * static_problem.unloaded_normals).sum(axis=2) <= 0.0)
+    ):  # a ball that left its groove for the far side
         left = np.inf
-    return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
+    return StaticEquilibrium(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
-def _contact_forces_at_displacements(cell: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
+def _contact_forces_at_displacements(static_problem: StaticProblem, x: Array) -> tuple[Array, Array, Array]:
     """Compute the contact forces of balls and grooves at given displacements of the balls and the inner body.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the forces (N, k) [N], their
     directions (N, k, 2), and the distances (N, k) [m] of the centre of each groove's arc from the ball's centre.
     """
-    N = cell.normals.shape[0]
+    N = static_problem.unloaded_normals.shape[0]
     p, u = x[: 2 * N].reshape(N, 2), x[2 * N :]
-    body = cell.rows @ u + cell.offset if u.size else cell.offset
-    d = cell.reach * cell.normals + p[:, None] - cell.inner[None, :, None] * body[:, None]
+    body = (
+        static_problem.inner_body_motions @ u + static_problem.inner_body_displacement
+        if u.size
+        else static_problem.inner_body_displacement
+    )
+    d = (
+        static_problem.radius_difference * static_problem.unloaded_normals
+        + p[:, None]
+        - static_problem.on_inner_body[None, :, None] * body[:, None]
+    )
     length = np.linalg.norm(d, axis=2)
-    approach = np.maximum(length - cell.reach + cell.interference, 0.0)
-    return (approach / cell.C) ** 1.5, d / length[:, :, None], length  # F = (approach / C)^(3/2) along d
+    approach = np.maximum(length - static_problem.radius_difference + static_problem.interference, 0.0)
+    return (
+        (approach / static_problem.hertz_constants) ** 1.5,
+        d / length[:, :, None],
+        length,
+    )  # F = (approach / C)^(3/2) along d
 
 
-def _energy_derivatives(cell: StaticProblem, x: Array) -> tuple[float, Array, Array]:
+def _energy_derivatives(static_problem: StaticProblem, x: Array) -> tuple[float, Array, Array]:
     """Compute the potential energy at given displacements of the balls and the inner body, with its two derivatives.
 
     x: displacements of the balls, then free motions of the inner body (2 N + m,) [m]. Returns the energy [J], its gradient
     (2 N + m,) [N] and its Hessian [N/m].
     """
-    N, m = cell.normals.shape[0], cell.pull.size
-    force, n, length = _contact_forces_at_displacements(cell, x)
-    approach = cell.C * np.cbrt(force) ** 2
-    e = float((0.4 * force * approach).sum() - cell.push.ravel() @ x[: 2 * N] - cell.pull @ x[2 * N :])
-    g = np.concatenate([-cell.push.ravel(), -cell.pull])
+    N, m = static_problem.unloaded_normals.shape[0], static_problem.forces_on_inner_body.size
+    force, n, length = _contact_forces_at_displacements(static_problem, x)
+    approach = static_problem.hertz_constants * np.cbrt(force) ** 2
+    e = float(
+        (0.4 * force * approach).sum()
+        - static_problem.forces_on_balls.ravel() @ x[: 2 * N]
+        - static_problem.forces_on_inner_body @ x[2 * N :]
+    )
+    g = np.concatenate([-static_problem.forces_on_balls.ravel(), -static_problem.forces_on_inner_body])
     H = np.zeros((x.size, x.size))
     stiff = np.divide(1.5 * force, approach, out=np.zeros_like(force), where=approach > 0.0)
     for i in range(N):
-        for k in range(cell.inner.size):
+        for k in range(static_problem.on_inner_body.size):
             T = np.zeros((2, x.size))  # derivative of d by ball and inner body
             T[:, 2 * i : 2 * i + 2] = np.eye(2)
-            if m and cell.inner[k]:
-                T[:, 2 * N :] = -cell.rows[i]
+            if m and static_problem.on_inner_body[k]:
+                T[:, 2 * N :] = -static_problem.inner_body_motions[i]
             nn = np.outer(n[i, k], n[i, k])
             g += force[i, k] * (T.T @ n[i, k])
             # stiffness along the normal, and that of the force as d turns
@@ -457,12 +510,12 @@ SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_option
 COARSE = (10, 10)
 
 
-def copy_with_fixed_inner_body(cell: StaticProblem, loads: Loads) -> StaticProblem:
+def copy_with_fixed_inner_body(static_problem: StaticProblem, loads: StaticEquilibrium) -> StaticProblem:
     """Return a copy of a static problem in which the inner body is fixed in its position of equilibrium.
 
     Parameters
     ----------
-    cell : StaticProblem
+    static_problem : StaticProblem
         The static problem.
     loads : Loads
         Equilibrium of that problem.
@@ -472,13 +525,23 @@ def copy_with_fixed_inner_body(cell: StaticProblem, loads: Loads) -> StaticProbl
     StaticProblem
         Static problem whose inner body has no free motions.
     """
-    moved = cell.rows @ loads.body if cell.pull.size else 0.0
-    return replace(cell, offset=cell.offset + moved, rows=np.zeros((*cell.rows.shape[:2], 0)), pull=np.zeros(0))
+    moved = static_problem.inner_body_motions @ loads.body if static_problem.forces_on_inner_body.size else 0.0
+    return replace(
+        static_problem,
+        inner_body_displacement=static_problem.inner_body_displacement + moved,
+        inner_body_motions=np.zeros((*static_problem.inner_body_motions.shape[:2], 0)),
+        forces_on_inner_body=np.zeros(0),
+    )
 
 
 def solve_loads_with_rolling(
-    layout: Layout, material: Material, cell: StaticProblem, choices: Choices, *, meet: bool
-) -> tuple[Loads, bool]:
+    layout: BallLayoutOnTrack,
+    material: RollingMaterial,
+    static_problem: StaticProblem,
+    choices: RollingSettings,
+    *,
+    balls_may_touch: bool,
+) -> tuple[StaticEquilibrium, bool]:
     """Solve contact loads and steady rolling together: friction pushes the balls across the track and changes the loads.
 
     The inner body stays at its equilibrium without friction. The friction forces across the track are found by fixed-point
@@ -490,11 +553,11 @@ def solve_loads_with_rolling(
         Positions of balls and grooves.
     material : Material
         Elastic material and friction.
-    cell : StaticProblem
+    static_problem : StaticProblem
         The static problem.
     choices : Choices
         Numerical choices of rolling.
-    meet : bool
+    balls_may_touch : bool
         Whether neighbouring balls may touch each other.
 
     Returns
@@ -504,23 +567,27 @@ def solve_loads_with_rolling(
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.
     """
-    loads = solve_static_problem(cell)
-    held = copy_with_fixed_inner_body(cell, loads)
+    loads = solve_static_problem(static_problem)
+    held = copy_with_fixed_inner_body(static_problem, loads)
     scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
-    def solve_with_push(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
-        pushed = solve_static_problem(replace(held, push=cell.push + push))
-        rolling = _solve_rolling_under_loads(layout, material, pushed, grid, meet, last.get(grid.shape))
-        last[grid.shape] = rolling
-        return pushed, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
+    def solve_with_push(push: Array, grid: RollingSettings) -> tuple[StaticEquilibrium, RollingResult, Array]:
+        pushed = solve_static_problem(replace(held, forces_on_balls=static_problem.forces_on_balls + push))
+        rolling = _solve_rolling_under_loads(layout, material, pushed, grid, balls_may_touch, last.get(grid.grid_shape))
+        last[grid.grid_shape] = rolling
+        return (
+            pushed,
+            rolling,
+            (rolling.groove_friction_wrenches[:, :3] + rolling.forces_by_neighbours) @ layout.section_directions.T,
+        )
 
-    def push_mismatch(push: Array, grid: Choices) -> Array:
+    def push_mismatch(push: Array, grid: RollingSettings) -> Array:
         two = push.reshape(-1, 2) * scale
         return np.asarray((solve_with_push(two, grid)[2] - two).ravel() / scale)
 
-    push = np.zeros(2 * len(cell.push))
-    for shape in (COARSE, choices.shape):
-        grid = replace(choices, shape=shape)
+    push = np.zeros(2 * len(static_problem.forces_on_balls))
+    for shape in (COARSE, choices.grid_shape):
+        grid = replace(choices, grid_shape=shape)
         push = root(lambda x, grid=grid: push_mismatch(x, grid), push, method="anderson", options=SEARCH).x
     pushed, rolling, force = solve_with_push(push.reshape(-1, 2) * scale, choices)
     agree = np.abs(force / scale - push.reshape(-1, 2)).max() <= AGREED
@@ -528,14 +595,21 @@ def solve_loads_with_rolling(
 
 
 def _solve_rolling_under_loads(
-    layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
+    layout: BallLayoutOnTrack,
+    material: RollingMaterial,
+    loads: StaticEquilibrium,
+    choices: RollingSettings,
+    balls_may_touch: bool,
+    near: RollingResult | None = None,
 ) -> RollingResult:
     """Solve steady rolling of the balls under given contact forces and directions.
 
-    ``loads``: contact forces and directions; ``meet``: whether balls can touch each other; ``near``: another solution, from
-    which the solver starts if the same contacts are loaded.
+    ``loads``: contact forces and directions; ``balls_may_touch``: whether balls can touch each other; ``near``: another
+    solution, from which the solver starts if the same contacts are loaded.
     """
-    scene = rolling_scene(layout, material, loads.normal, loads.force)
+    scene = create_rolling_balls(layout, material, loads.normal, loads.force)
     loaded = [(b, k) for b, k, _ in loaded_contacts(scene)]
-    alike = near is not None and [(c.ball, c.touch) for c in near.contacts] == loaded
-    return solve_rolling(scene if meet else copy_without_ball_to_ball_contacts(scene), choices, near if alike else None)
+    alike = near is not None and [(c.ball_index, c.contact_index) for c in near.contacts] == loaded
+    return solve_rolling(
+        scene if balls_may_touch else copy_without_ball_to_ball_contacts(scene), choices, near if alike else None
+    )

@@ -11,32 +11,32 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.hifi.bodies.coarse import contact_compliance_in_fine_piece
-from rollbench.hifi.bodies.grid_wave import unilateral_approaches
+from rollbench.hifi.bodies.coarse import contact_compliance_in_fine_submodel
+from rollbench.hifi.bodies.grid_wave import solve_unilateral_contact
 from rollbench.hifi.contact.block import fit_pressure_ellipsoid
-from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
-from rollbench.hifi.rolling.balls import RollingResult, disk_quadrature
+from rollbench.hifi.contact.hertz import solve_hertz
+from rollbench.hifi.elements.forms import normalise_weight_rows
+from rollbench.hifi.rolling.balls import RollingResult, quadrature_of_unit_disk
 from rollbench.hifi.rolling.bodies import (
     BallPath,
-    ContactPosition,
+    ContactGeometry,
     Sizes,
-    ball_kernel,
+    compliance_kernel_of_ball,
+    compliance_kernel_of_contact,
     compliance_of_half_space_block,
-    contact_kernel,
     kernel_from_groove_response,
     mesh_contact_pieces,
     nodal_forces_of_tractions,
 )
-from rollbench.hifi.rolling.contact_bodies import Zone, mesh_half_space
-from rollbench.hifi.rolling.friction import Contact, Friction, full_slip_forces, solve_friction
-from rollbench.hifi.rolling.kinematics import MOTIONS, Rolling, velocity_matrix
+from rollbench.hifi.rolling.contact_bodies import ContactZone, mesh_half_space
+from rollbench.hifi.rolling.friction import FrictionContact, FrictionSolution, coulomb_friction_forces, solve_friction
+from rollbench.hifi.rolling.kinematics import MOTIONS, RollingBalls, velocities_by_ball_motions
 from rollbench.hifi.rolling.patch import (
-    Patch,
-    SmoothKernel,
-    cell_grid,
-    equivalent_radii,
-    rectangle_influence,
+    ComplianceKernel,
+    GridContact,
+    create_cell_grid,
+    displacement_by_rectangle,
+    equivalent_half_space_radii,
     solve_elastic_contact_on_grid,
     solve_normal_contact,
 )
@@ -53,13 +53,13 @@ class Creep:
     """Longitudinal, lateral and spin creepage of a rolling contact: rigid slip over the rolling speed."""
 
     #: Rigid slip along the rolling direction, over the rolling speed.
-    along: float
+    longitudinal: float
     #: Rigid slip across the rolling direction, over the rolling speed.
-    across: float
+    lateral: float
     #: Angular velocity about the contact normal (spin), over the rolling speed [1/m].
     spin: float
 
-    def slip(self, at: Array) -> Array:
+    def rigid_slip(self, at: Array) -> Array:
         """Compute the rigid slip over the rolling speed at n points of the contact ``(2 n,)``, all along, then all across.
 
         ``at``: coordinates of the points along and across the rolling direction, from the contact's centre (n, 2) [m].
@@ -69,7 +69,7 @@ class Creep:
         >>> Creep(0.001, 0.0, 2.0).slip(np.array([[0.0, 1e-3]])).tolist()
         [-0.001, 0.0]
         """
-        return np.concatenate([self.along - self.spin * at[:, 1], self.across + self.spin * at[:, 0]])
+        return np.concatenate([self.longitudinal - self.spin * at[:, 1], self.lateral + self.spin * at[:, 0]])
 
 
 @dataclass(frozen=True)
@@ -77,20 +77,22 @@ class RolledContact:
     """Friction force, moment and loss of a contact that rolls steadily at 1 m/s."""
 
     #: Force on body 1 along and across ``(2,)`` [N].
-    force: Array
+    friction_force: Array
     #: Moment on body 1 about the normal [N m].
-    moment: float
+    friction_moment: float
     #: Normal contact on its grid.
-    patch: Patch
+    normal_contact: GridContact
     #: Solution of the friction solver.
-    friction: Friction
+    friction_solution: FrictionSolution
     #: Power of friction [W].
-    loss: float
+    friction_loss: float
     #: Power dissipated by the error of the finite differences along the flow of material [W].
-    upwind: float
+    numerical_dissipation: float
 
 
-def solve_friction_for_rigid_slip(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
+def solve_friction_for_rigid_slip(
+    patch: GridContact, elastic: Array, slip: Array, mu: float
+) -> tuple[FrictionContact, FrictionSolution]:
     """Solve the tangential forces of a contact whose bodies have a prescribed rigid slip.
 
     Parameters
@@ -111,11 +113,13 @@ def solve_friction_for_rigid_slip(patch: Patch, elastic: Array, slip: Array, mu:
     solution : Friction
         Its solution.
     """
-    contact = Contact(mu * patch.normal, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip)
+    contact = FrictionContact(
+        mu * patch.normal_forces, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip
+    )
     return contact, solve_friction([contact])
 
 
-def solve_steady_rolling_for_creepages(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
+def solve_steady_rolling_for_creepages(patch: GridContact, creep: Creep, mu: float, elastic: float = 1.0) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s under prescribed creepages.
 
     Parameters
@@ -134,10 +138,12 @@ def solve_steady_rolling_for_creepages(patch: Patch, creep: Creep, mu: float, el
     RolledContact
         Force and moment on body 1, friction loss, and the solution in every cell.
     """
-    return _solve_rolling_at_unit_speed(patch, elastic * patch.transport_rate_matrix, creep.slip(patch.at), mu)
+    return _solve_rolling_at_unit_speed(
+        patch, elastic * patch.elastic_slip_per_rolling_length, creep.rigid_slip(patch.cell_centres), mu
+    )
 
 
-def solve_steady_rolling_like_kalker(patch: Patch, creep: Creep, mu: float) -> RolledContact:
+def solve_steady_rolling_like_kalker(patch: GridContact, creep: Creep, mu: float) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s, discretised as in Kalker's program CONTACT.
 
     Differences along the flow are of first order over a whole cell, and the slip by spin is taken a sixth of a cell
@@ -157,12 +163,14 @@ def solve_steady_rolling_like_kalker(patch: Patch, creep: Creep, mu: float) -> R
     RolledContact
         Force and moment on body 1, friction loss, and the solution in every cell.
     """
-    step = float(patch.size[0])
-    transport = (patch.tangential() - patch.tangential(step)) / step
-    return _solve_rolling_at_unit_speed(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
+    step = float(patch.cell_size[0])
+    transport = (patch.tangential_compliance() - patch.tangential_compliance(step)) / step
+    return _solve_rolling_at_unit_speed(
+        patch, transport, creep.rigid_slip(patch.cell_centres + np.array([step / 6.0, 0.0])), mu
+    )
 
 
-def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu: float) -> RolledContact:
+def _solve_rolling_at_unit_speed(patch: GridContact, transport: Array, slip: Array, mu: float) -> RolledContact:
     """Solve the friction of a contact that rolls steadily at 1 m/s with a prescribed rigid slip.
 
     ``transport``: slip that unit tangential forces cause by elastic displacements (2 n, 2 n) [m/s/N]; ``slip``: rigid slip
@@ -170,23 +178,23 @@ def _solve_rolling_at_unit_speed(patch: Patch, transport: Array, slip: Array, mu
     """
     contact, solution = solve_friction_for_rigid_slip(patch, transport, slip, mu)
     q = solution.forces[0]
-    loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic @ q))
-    return RolledContact(*_resultant(patch.at, q), patch, solution, loss, upwind)
+    loss, upwind = -float(q @ solution.slips[0]), float(q @ (contact.elastic_slip_matrix @ q))
+    return RolledContact(*_resultant_force_and_moment(patch.cell_centres, q), patch, solution, loss, upwind)
 
 
 @dataclass(frozen=True)
-class OnsetStep:
+class RollingOnsetStep:
     """State after one step of a contact that is pushed sideways and then begins to roll under the same force."""
 
     #: After the push the shift of body 1 along x [m], after each step of rolling the creepage along x.
-    motion: float
+    shift_or_creepage: float
     #: Number of cells that stick.
-    sticking: int
+    sticking_cell_count: int
     #: After the push the work of friction [J], after each step of rolling the power of friction at 1 m/s [W].
-    loss: float
+    friction_loss: float
 
 
-def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) -> list[OnsetStep]:
+def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: int) -> list[RollingOnsetStep]:
     """Simulate a contact that is pushed along x and then rolls under the same tangential force.
 
     The contact passes from Cattaneo's solution (at rest) to Carter's (steady rolling). After the push, the contact rolls by
@@ -205,7 +213,7 @@ def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) ->
 
     Returns
     -------
-    list[OnsetStep]
+    list[RollingOnsetStep]
         State after the push, and after every step of rolling.
 
     Raises
@@ -213,27 +221,27 @@ def simulate_rolling_onset(patch: Patch, mu: float, share: float, steps: int) ->
     ValueError
         A step does not converge.
     """
-    n, size = len(patch.at), float(patch.size[0])
-    motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal
+    n, size = len(patch.cell_centres), float(patch.cell_size[0])
+    motion, bound = np.repeat([1.0, 0.0], n)[:, None], mu * patch.normal_forces
 
     def balance(_: Array) -> tuple[Array, Array]:
-        return np.array([share * mu * patch.load]), np.zeros((1, 1))
+        return np.array([share * mu * patch.normal_load]), np.zeros((1, 1))
 
     forces, y, out = np.zeros(2 * n), np.array([patch.approach]), []
-    response, upstream = patch.tangential(), patch.tangential(size)
+    response, upstream = patch.tangential_compliance(), patch.tangential_compliance(size)
     for step in range(steps + 1):
         seconds = 1.0 if step == 0 else size  # of a cell at 1 m/s
-        contact = Contact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
+        contact = FrictionContact(bound, response / seconds, motion, np.array([0]), -upstream @ forces / seconds)
         solution = solve_friction([contact], balance, y, [forces] if step else None)
         if not solution.converged:
             raise ValueError(f"the friction of a contact that begins to roll, step {step}: {solution.status}")
         forces, y = solution.forces[0], solution.motions
         sticking = int(np.count_nonzero(solution.stick[0]))
-        out.append(OnsetStep(float(y[0]), sticking, -float(forces @ solution.slips[0])))
+        out.append(RollingOnsetStep(float(y[0]), sticking, -float(forces @ solution.slips[0])))
     return out
 
 
-def deviations_of_stick_distribution(patch: Patch, bound: Array, tangential: Array) -> Array:
+def spread_of_unused_friction(patch: GridContact, bound: Array, tangential: Array) -> Array:
     """Measure the size of the stick zone along x and y by the spread of the unused friction, mu p - abs(q).
 
     This force that is left before a cell slips is zero where cells slip, and taken as uniform over a cell. Its standard
@@ -256,7 +264,7 @@ def deviations_of_stick_distribution(patch: Patch, bound: Array, tangential: Arr
     """
     left = bound - np.linalg.norm(tangential.reshape(2, -1), axis=0)
     share = left / left.sum()
-    return np.asarray(np.sqrt(share @ (patch.at - share @ patch.at) ** 2 + patch.size**2 / 12.0))
+    return np.asarray(np.sqrt(share @ (patch.cell_centres - share @ patch.cell_centres) ** 2 + patch.cell_size**2 / 12.0))
 
 
 # --- the static reference
@@ -269,13 +277,13 @@ class NormalContact:
     #: Approach of ball and groove [m].
     approach: float
     #: Semi-axes of the fitted ellipsoid along and across the groove [m].
-    semi: tuple[float, float]
+    semi_axes: tuple[float, float]
     #: Peak pressure of the fitted ellipsoid [Pa].
-    peak: float
+    peak_pressure: float
 
 
 def solve_normal_contact_by_rolling_model(
-    at: ContactPosition, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
+    at: ContactGeometry, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes
 ) -> NormalContact:
     """Solve the normal contact of ball and groove by the rolling model, to compare it with the static 3D reference.
 
@@ -283,7 +291,7 @@ def solve_normal_contact_by_rolling_model(
 
     Parameters
     ----------
-    at : ContactPosition
+    at : ContactGeometry
         Position of the contact on its groove.
     load : float
         Contact load [N].
@@ -302,20 +310,22 @@ def solve_normal_contact_by_rolling_model(
         Approach, semi-axes and peak pressure.
     """
     patch = solve_elastic_contact_on_grid(
-        load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes)
+        load, at.relative_radii, young, poisson, shape, compliance_kernel_of_contact(at, load, young, poisson, sizes)
     )
-    semi, _, peak = fit_pressure_ellipsoid(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
+    semi, _, peak = fit_pressure_ellipsoid(
+        patch.cell_centres, np.full(len(patch.cell_centres), float(patch.cell_size.prod())), patch.normal_forces
+    )
     return NormalContact(patch.approach, semi, peak)
 
 
 def solve_normal_contact_by_patches(
-    at: ContactPosition, load: float, young: float, poisson: float, cells: tuple[int, int]
+    at: ContactGeometry, load: float, young: float, poisson: float, cells: tuple[int, int]
 ) -> NormalContact:
     """Solve the normal contact of ball and groove as the static 3D reference does, by finite-element patches of both.
 
     Parameters
     ----------
-    at : ContactPosition
+    at : ContactGeometry
         Position of the contact on its groove.
     load : float
         Contact load [N].
@@ -336,23 +346,30 @@ def solve_normal_contact_by_patches(
     ValueError
         The track is straight.
     """
-    if at.curve is None:
+    if at.path_radius_and_rise is None:
         raise ValueError(
             "the static 3D reference got a contact on a straight track; allowed: a path of the balls along a ring or helix"
         )
-    zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
-    groove, ball = mesh_contact_pieces(BallPath(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
-    arms = groove.patch.points[groove.patch.contact] - groove.centre
+    zone = at.contact_zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
+    groove, ball = mesh_contact_pieces(
+        BallPath(*at.path_radius_and_rise),
+        at.ball_radius,
+        at.groove_radius,
+        at.contact_angle,
+        zone,
+        on_nut_or_outer_ring=at.groove_curvature_along > 0.0,
+    )
+    arms = groove.patch_mesh.points[groove.patch_mesh.contact_nodes] - groove.ball_centre
     length = np.linalg.norm(arms, axis=1)
     normals = arms / length[:, None]
-    C = contact_compliance_in_fine_piece(groove.piece, groove.patch, normals, young, poisson)
-    C = C + contact_compliance_in_fine_piece(ball.piece, ball.patch, -normals, young, poisson)
-    W = normalise_rows_of_weights(groove.patch.weights)
-    gap, close = W @ (length - at.ball), W @ (normals @ groove.axes[2])
-    (approach,), closed = unilateral_approaches(C, gap, close, np.array([load]))
+    C = contact_compliance_in_fine_submodel(groove.body_piece, groove.patch_mesh, normals, young, poisson)
+    C = C + contact_compliance_in_fine_submodel(ball.body_piece, ball.patch_mesh, -normals, young, poisson)
+    W = normalise_weight_rows(groove.patch_mesh.pressure_weights)
+    gap, close = W @ (length - at.ball_radius), W @ (normals @ groove.contact_axes[2])
+    (approach,), closed = solve_unilateral_contact(C, gap, close, np.array([load]))
     i = np.flatnonzero(closed[0])
     forces = np.linalg.solve(C[np.ix_(i, i)], approach * close[i] - gap[i])
-    semi, _, peak = fit_pressure_ellipsoid((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
+    semi, _, peak = fit_pressure_ellipsoid((arms @ groove.contact_axes.T)[i, :2], groove.patch_mesh.areas[i], forces)
     return NormalContact(float(approach), semi, peak)
 
 
@@ -389,21 +406,21 @@ def compare_with_carter(cells: int, share: float) -> tuple[Array, Array]:
     half = float(np.sqrt(4.0 * load * radius / (np.pi * modulus)))
     long = LONG * half
     size = np.array([2.1 * half / cells, long])
-    index, at = cell_grid((cells, 1), size)
+    index, at = create_cell_grid((cells, 1), size)
     material = 2.0 * shear * (1.0 + nu), nu
     forces, approach = solve_normal_contact(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, material)
     inside = forces > 0.0
-    patch = Patch(index[inside], at[inside], size, forces[inside], material, approach)
+    patch = GridContact(index[inside], at[inside], size, forces[inside], material, approach)
     rest = float(np.sqrt(1.0 - share))
     answer = solve_steady_rolling_for_creepages(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 2.0 * deviations_of_stick_distribution(patch, mu * patch.normal, answer.friction.forces[0])[0]
-    return np.array([-answer.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
+    stick = 2.0 * spread_of_unused_friction(patch, mu * patch.normal_forces, answer.friction_solution.forces[0])[0]
+    return np.array([-answer.friction_force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
 # --- Cattaneo and Mindlin
 
 
-def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
+def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = None) -> tuple[Array, Array]:
     """Compare a sphere pressed onto an equal one and pushed sideways with the solution of Cattaneo and Mindlin.
 
     The stick radius is a (1 - Q/(mu P))^(1/3), the shift 3 mu P/(16 a) sum (2 - nu)/G (1 - (1 - Q/(mu P))^(2/3)), here with
@@ -416,7 +433,7 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
         Cells across the contact.
     share : float
         Tangential force Q over mu P, the normal force P times the coefficient of friction.
-    balls : Sizes | None, default None
+    finite_balls : Sizes | None, default None
         Numerical choices of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
         half-spaces.
 
@@ -434,31 +451,36 @@ def compare_with_mindlin(cells: int, share: float, balls: Sizes | None = None) -
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
     young, poisson = 2.0 * shear, 0.0
     radii = radius, radius
-    size = hertz(load, *radii, young, poisson).semi_x
-    kernel = None if balls is None else two_balls_kernel(2.0 * radius, size, young, poisson, balls)
+    size = solve_hertz(load, *radii, young, poisson).semi_x
+    kernel = None if finite_balls is None else kernel_of_two_balls(2.0 * radius, size, young, poisson, finite_balls)
     patch = solve_elastic_contact_on_grid(load, radii, young, poisson, (cells, cells), kernel)
-    size = hertz(load, *equivalent_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
+    size = solve_hertz(load, *equivalent_half_space_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
     if kernel is not None:
-        along, spread = slice(0, 1), patch.normal / load
-        shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
-    slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
-    _, solution = solve_friction_for_rigid_slip(patch, patch.tangential(), slip, mu)
+        along, spread = slice(0, 1), patch.normal_forces / load
+        shift += (
+            share
+            * mu
+            * load
+            * float(spread @ kernel.displacements_by_unit_forces(patch.cell_centres, along, along) @ spread)
+        )
+    slip = np.concatenate([np.full(len(patch.cell_centres), shift), np.zeros(len(patch.cell_centres))])
+    _, solution = solve_friction_for_rigid_slip(patch, patch.tangential_compliance(), slip, mu)
     stick = np.sqrt(2.5) * float(
-        np.linalg.norm(deviations_of_stick_distribution(patch, mu * patch.normal, solution.forces[0]))
+        np.linalg.norm(spread_of_unused_friction(patch, mu * patch.normal_forces, solution.forces[0]))
     )
-    force = -solution.forces[0][: len(patch.at)].sum() / (mu * load)
+    force = -solution.forces[0][: len(patch.cell_centres)].sum() / (mu * load)
     return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
-def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> SmoothKernel:
+def kernel_of_two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> ComplianceKernel:
     """Compute the contact compliance of two equal touching balls less that of half-spaces (their kernel).
 
     ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: meshes of the balls.
     """
-    zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
-    ball = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    zone = ContactZone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
+    ball = compliance_kernel_of_ball(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
     return ball + kernel_from_groove_response(ball.M, zone, sizes.degree)
 
 
@@ -466,7 +488,7 @@ def two_balls_kernel(radius: float, semi: float, young: float, poisson: float, s
 
 
 def compare_ball_friction_with_point(
-    scene: Rolling, result: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
+    scene: RollingBalls, result: RollingResult, contact_index: int, points: int = 60, finite_balls: Sizes | None = None
 ) -> tuple[float, float]:
     """Compare the friction between two touching balls, distributed over their contact area, with friction at one point.
 
@@ -478,11 +500,11 @@ def compare_ball_friction_with_point(
         The balls.
     result : RollingResult
         Steady rolling of the balls.
-    meeting : int
+    contact_index : int
         Index of the ball-to-ball contact among those of the scene.
     points : int, default 60
         Number of quadrature points, or of the grid's cells, along each axis of the contact.
-    bodies : Sizes | None, default None
+    finite_balls : Sizes | None, default None
         Numerical choices of finite balls, on a grid; None: Hertz's circle, by quadrature.
 
     Returns
@@ -492,26 +514,31 @@ def compare_ball_friction_with_point(
     loss : float
         Friction loss of the distributed force over the friction loss of the force at one point.
     """
-    m, force = scene.meetings[meeting], float(result.force[meeting])
-    touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
-    circle = hertz(force, *touch[1], *touch[2:])
-    if bodies is None:
-        unit, weight = disk_quadrature(points)
+    m, force = scene.ball_to_ball_contacts[contact_index], float(result.ball_to_ball_forces[contact_index])
+    touch = force, (0.5 * scene.ball_radius,) * 2, scene.young, scene.poisson
+    circle = solve_hertz(force, *touch[1], *touch[2:])
+    if finite_balls is None:
+        unit, weight = quadrature_of_unit_disk(points)
         local, sunk = unit * circle.semi_x, 0.0
         normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
     else:
-        kernel = two_balls_kernel(scene.radius, circle.semi_x, *touch[2:], bodies)
+        kernel = kernel_of_two_balls(scene.ball_radius, circle.semi_x, *touch[2:], finite_balls)
         patch = solve_elastic_contact_on_grid(*touch, (points, points), kernel)
-        local, normal, sunk = patch.at, patch.normal, patch.depth_of_contact_centre
+        local, normal, sunk = patch.cell_centres, patch.normal_forces, patch.depth_of_contact_centre
     slide = np.zeros((len(local), 2))
-    for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
-        axes = m.axes @ scene.balls[ball].frame.T
-        at = sign * (scene.radius - sunk) * axes[0] + local @ axes[1:]
-        speeds = velocity_matrix(scene.track, scene.radius, at) @ result.friction.motions[half]
+    for ball, sign, half in (
+        (m.first_ball, 1.0, m.motion_indices[:MOTIONS]),
+        (m.second_ball, -1.0, m.motion_indices[MOTIONS:]),
+    ):
+        axes = m.axes @ scene.balls[ball].axes.T
+        at = sign * (scene.ball_radius - sunk) * axes[0] + local @ axes[1:]
+        speeds = velocities_by_ball_motions(scene.track, scene.ball_radius, at) @ result.friction_solution.motions[half]
         slide += sign * speeds @ axes[1:].T
-    pull = full_slip_forces(scene.mu_balls * normal, slide.T.ravel())
-    bound = scene.mu_balls * force
-    point = bound * float(np.linalg.norm((m.rows @ result.friction.motions[m.columns])[1:]))
+    pull = coulomb_friction_forces(scene.ball_friction_coefficient * normal, slide.T.ravel())
+    bound = scene.ball_friction_coefficient * force
+    point = bound * float(
+        np.linalg.norm((m.speeds_by_ball_motions @ result.friction_solution.motions[m.motion_indices])[1:])
+    )
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
     return total / bound, -float(pull @ slide.T.ravel()) / point
 
@@ -519,7 +546,7 @@ def compare_ball_friction_with_point(
 # --- finite elements of a half space
 
 
-def compare_half_space_displacements(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
+def compare_half_space_displacements(zone: ContactZone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
     """Compare mean displacements of a rectangle of a half-space under uniform tractions with the closed form.
 
     Parameters
@@ -544,10 +571,11 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
     computed = compliance_of_half_space_block(
         block, nodal_forces_of_tractions(block, zone, 0, (0.0, 0.0)), young, poisson
     ).diagonal()
-    sides = 2.0 * np.array(zone.half)
-    _, at = cell_grid((MEANS, MEANS), sides / MEANS)
+    sides = 2.0 * np.array(zone.half_lengths)
+    _, at = create_cell_grid((MEANS, MEANS), sides / MEANS)
     both = (
-        rectangle_influence(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal() / sides.prod()
+        displacement_by_rectangle(at[:, 0], at[:, 1], sides[0], sides[1], young, poisson).mean(axis=0).diagonal()
+        / sides.prod()
     )
     return computed, 0.5 * both
 
@@ -555,7 +583,7 @@ def compare_half_space_displacements(zone: Zone, size: float, young: float, pois
 # --- Kalker's linear theory
 
 
-def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
+def create_elliptic_contact(ratio: float, poisson: float, shape: tuple[int, int]) -> GridContact:
     """Create a contact of grid cells within an ellipse that never slips, for Kalker's linear theory.
 
     ``ratio``: semi-axis along over semi-axis across; ``shape``: numbers of cells along and across. The semi-axes are
@@ -565,11 +593,11 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
     """
     semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
     size = 2.0 * semi / np.array(shape)
-    index, at = cell_grid(shape, size)
+    index, at = create_cell_grid(shape, size)
     inside = ((at / semi) ** 2).sum(axis=1) < 1.0
     stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
     forces = np.full(np.count_nonzero(inside), np.inf)
-    return Patch(index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0)
+    return GridContact(index[inside], stretch * at[inside], stretch * size, forces, (2.0 * (1.0 + poisson), poisson), 0.0)
 
 
 def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
@@ -599,15 +627,15 @@ def kalker_linear_coefficients(ratio: float, poisson: float, shape: tuple[int, i
     """
     if shape[1] % 2:
         raise ValueError(f"Kalker's coefficients need an even number of cells across the contact, got {shape[1]}")
-    patch = ellipse_patch(ratio, poisson, shape)
-    count = len(patch.at)
-    half = np.flatnonzero(patch.at[:, 1] > 0.0)
-    image = np.lexsort((-patch.cells[:, 1], patch.cells[:, 0]))[half]
-    units = np.stack([Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
+    patch = create_elliptic_contact(ratio, poisson, shape)
+    count = len(patch.cell_centres)
+    half = np.flatnonzero(patch.cell_centres[:, 1] > 0.0)
+    image = np.lexsort((-patch.cell_indices[:, 1], patch.cell_indices[:, 0]))[half]
+    units = np.stack([Creep(*row).rigid_slip(patch.cell_centres) for row in np.eye(3)], axis=1)
     rows = np.concatenate([half, count + half])
     near, far = (
-        patch.transport_rate_matrix[np.ix_(rows, rows)],
-        patch.transport_rate_matrix[np.ix_(rows, np.concatenate([image, count + image]))],
+        patch.elastic_slip_per_rolling_length[np.ix_(rows, rows)],
+        patch.elastic_slip_per_rolling_length[np.ix_(rows, np.concatenate([image, count + image]))],
     )
     F = np.zeros((3, 3))
     for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
@@ -648,14 +676,14 @@ def full_slip_by_quadrature(
     moment : float
         Moment on body 1 about the contact normal [N m].
     """
-    ellipse = hertz(load, *radii, young, poisson)
-    unit, weight = disk_quadrature(points)
+    ellipse = solve_hertz(load, *radii, young, poisson)
+    unit, weight = quadrature_of_unit_disk(points)
     at = unit * np.array([ellipse.semi_x, ellipse.semi_y])
     normal = ellipse.pressure(at[:, 0], at[:, 1]) * weight * ellipse.semi_x * ellipse.semi_y
-    return _resultant(at, full_slip_forces(mu * normal, creep.slip(at)))
+    return _resultant_force_and_moment(at, coulomb_friction_forces(mu * normal, creep.rigid_slip(at)))
 
 
-def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
+def full_slip_within_cells(patch: GridContact, creep: Creep, mu: float) -> tuple[Array, float]:
     """Compute the friction force and moment of a contact on a grid that slips in all cells, at 20 x 20 points in each.
 
     The points resolve the rotation of the slip about the point without slip; only the error of the grid's staircase edge
@@ -679,12 +707,14 @@ def full_slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array
     """
     points = 20
     unit = (np.arange(points) + 0.5) / points - 0.5
-    inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size
-    at = (patch.at[:, None] + inside).reshape(-1, 2)
-    return _resultant(at, full_slip_forces(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
+    inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.cell_size
+    at = (patch.cell_centres[:, None] + inside).reshape(-1, 2)
+    return _resultant_force_and_moment(
+        at, coulomb_friction_forces(np.repeat(mu * patch.normal_forces / points**2, points**2), creep.rigid_slip(at))
+    )
 
 
-def _resultant(at: Array, forces: Array) -> tuple[Array, float]:
+def _resultant_force_and_moment(at: Array, forces: Array) -> tuple[Array, float]:
     """Compute the resultant ``(2,)`` [N] of tangential forces, and their moment about the normal [N m].
 
     ``at``: points (n, 2) [m]; ``forces``: forces at them, all along x and then all along y (2 n,) [N].

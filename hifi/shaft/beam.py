@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint
 from rollbench.meshes.parts import FREEDOMS, Load, Material, Scene, Support
@@ -29,7 +29,7 @@ class ShaftSection:
     kGA: float
 
     @property
-    def per_length(self) -> Array:
+    def flexibility_per_length(self) -> Array:
         """Flexibility of the beam per unit length ``(6, 6)``: strains, curvatures and twist by unit forces and moments."""
         yielding = [self.kGA, self.kGA, self.EA, self.EI, self.EI, self.GJ]
         return np.asarray(np.diag(1.0 / np.array(yielding)))
@@ -113,7 +113,7 @@ def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
     >>> bool(np.isclose(F[0, 0], 0.4**3 / (3.0 * section.EI) + 0.4 / section.kGA))
     True
     """
-    t = rigid_motion_transfer_matrix(1.0) - np.eye(6)
+    t = rigid_motion_transfer_along_z(1.0) - np.eye(6)
     first = t @ per_length
     return np.asarray(length * per_length + length**2 / 2.0 * (first + first.T) + length**3 / 3.0 * first @ t.T)
 
@@ -133,12 +133,15 @@ def beam_stiffness(length: float, section: ShaftSection) -> Array:
     (12, 12) Array
         Forces and moments on both ends by unit motions of both ends [N/m, N, N m].
     """
-    end, T = np.linalg.inv(end_flexibility_of_cantilever(length, section.per_length)), rigid_motion_transfer_matrix(length)
+    end, T = (
+        np.linalg.inv(end_flexibility_of_cantilever(length, section.flexibility_per_length)),
+        rigid_motion_transfer_along_z(length),
+    )
     return np.block([[T.T @ end @ T, -T.T @ end], [-end @ T, end]])
 
 
 @dataclass(frozen=True)
-class Frame:
+class ShaftSupports:
     """Supports and loads of a shaft, the movable housings of its nuts, and the springs between housings."""
 
     #: Supports of the shaft.
@@ -146,19 +149,19 @@ class Frame:
     #: Loads on the shaft.
     loads: tuple[Load, ...]
     #: Length by which rotations are multiplied to compare them with displacements [m].
-    arm: float
+    length_per_rotation: float
     #: Housings that can move.
     housings: tuple[Housing, ...] = ()
     #: Springs between housings.
-    joints: tuple[Joint, ...] = ()
+    housing_springs: tuple[Joint, ...] = ()
 
     @staticmethod
-    def from_scene(described: Scene | Assembly) -> Frame:
+    def from_scene(scene: Scene | Assembly) -> ShaftSupports:
         """Collect supports, loads and housings from a scene with one fixed nut, or from a shaft with several nuts.
 
         Parameters
         ----------
-        described : Scene | Assembly
+        scene : Scene | Assembly
             Scene of one nut or bearing, or shaft with several of them.
 
         Returns
@@ -166,18 +169,18 @@ class Frame:
         Frame
             Supports, loads, movable housings and springs.
         """
-        if isinstance(described, Scene):
-            return Frame(described.supports, described.loads, described.track.pitch_radius)
-        arm = max(s.parts.track.pitch_radius for s in described.sets if isinstance(s.parts, Scene))
-        moving = tuple(h for h in described.housings if not h.is_fixed)
-        return Frame(described.supports, described.loads, arm, moving, described.joints)
+        if isinstance(scene, Scene):
+            return ShaftSupports(scene.supports, scene.loads, scene.track.pitch_radius)
+        arm = max(s.parts.track.pitch_radius for s in scene.sets if isinstance(s.parts, Scene))
+        moving = tuple(h for h in scene.housings if not h.is_fixed)
+        return ShaftSupports(scene.supports, scene.loads, arm, moving, scene.joints)
 
     def housing_index(self, housing: str | None) -> int | None:
         """Return the index of a named movable housing among ``housings``; None if it is fixed, or if the name is None."""
         return next((k for k, h in enumerate(self.housings) if h.name == housing), None)
 
     @property
-    def stations(self) -> set[float]:
+    def support_and_load_positions(self) -> set[float]:
         """Axial positions of all supports of and loads on the shaft [m]."""
         return {x.at for x in self.supports} | {x.at for x in self.loads}
 
@@ -194,7 +197,7 @@ class Frame:
         bodies += [(k, housing.at, housing.fixed) for k, housing in enumerate(self.housings, 1)]
         return [(body, at, FREEDOMS.index(name), value) for body, at, fixed in bodies for name, value in fixed]
 
-    def wrenches(self) -> list[tuple[int, float, Array]]:
+    def forces_and_moments(self) -> list[tuple[int, float, Array]]:
         """List the forces and moments that act on shaft and housings.
 
         Returns
@@ -207,11 +210,11 @@ class Frame:
         return [(body, x.at, np.array([*x.force, *x.moment])) for body, x in bodies]
 
     @property
-    def lengths_per_motion(self) -> Array:
+    def lengths_of_unit_motions(self) -> Array:
         """Factors ``(6,)`` that turn a body's six motions into lengths: 1 for displacements, the arm [m] for rotations."""
-        return np.array([1.0] * 3 + [self.arm] * 3)
+        return np.array([1.0] * 3 + [self.length_per_rotation] * 3)
 
-    def springs(self) -> list[tuple[Array, Array]]:
+    def spring_stiffnesses(self) -> list[tuple[Array, Array]]:
         """List the springs between housings, and between housings and the frame of the machine.
 
         Returns
@@ -226,12 +229,12 @@ class Frame:
                 rows = np.zeros((6, 6 * len(self.housings)))
                 rows[:, 6 * k : 6 * k + 6] = np.eye(6)
                 out.append((rows, np.array(housing.stiffness)))
-        for joint in self.joints:
+        for joint in self.housing_springs:
             rows = np.zeros((6, 6 * len(self.housings)))
             for name, sign in ((joint.first, 1.0), (joint.second, -1.0)):
                 moving = self.housing_index(name)
                 if moving is not None:
                     columns = slice(6 * moving, 6 * moving + 6)
-                    rows[:, columns] = sign * rigid_motion_transfer_matrix(joint.at - self.housings[moving].at)
+                    rows[:, columns] = sign * rigid_motion_transfer_along_z(joint.at - self.housings[moving].at)
             out.append((rows, np.array(joint.stiffness)))
         return out

@@ -25,9 +25,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
-from rollbench.hifi.shaft.beam import Frame, ShaftSection, beam_stiffness
-from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
+from rollbench.hifi.shaft.beam import ShaftSection, ShaftSupports, beam_stiffness
+from rollbench.hifi.shaft.section import flexibility_of_lower_cut_end, flexibility_of_upper_cut_end
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Scene
@@ -38,7 +38,7 @@ SLACK = 1e-12
 
 
 @dataclass(frozen=True)
-class Stretch:
+class MeshedShaftPart:
     """Flexibility of the part of the screw around the nut that is meshed in 3D (stretch), with its base section fixed."""
 
     #: Flexibility with the base fixed: motions of the contacts' modes, then of ports and observers with six rows each, by
@@ -47,7 +47,7 @@ class Stretch:
     #: The same motions by unit rigid motions of the base section ``(x, 6)``.
     B: Array
     #: Axial position of the base [m].
-    base: float
+    base_position: float
     #: Axial positions of the ports (sections that can be loaded) [m], six rows of F each.
     ports: tuple[float, ...]
     #: Axial positions of the observers (sections whose motion is computed) [m], six rows of F each.
@@ -55,30 +55,30 @@ class Stretch:
     #: Axial positions of the lower and upper end of the stretch [m].
     ends: tuple[float, float]
     #: Number of modes of all its contacts.
-    modes: int
+    mode_count: int
     #: Whether all supported and loaded sections move with the base (a ring on a stiff shaft).
-    rigid: bool = False
+    moves_with_base: bool = False
 
     def contains(self, z: float) -> bool:
         """Return whether an axial position z [m] lies in the part of the screw that is meshed in 3D, ends included."""
         return self.ends[0] - SAME <= z <= self.ends[1] + SAME
 
-    def is_inside_without_port(self, z: float) -> bool:
+    def is_at_unloadable_section(self, z: float) -> bool:
         """Return whether an axial position z [m] lies inside the 3D part of the screw, but at no section to be loaded.
 
         These sections are the base and the ports.
         """
         inside = self.ends[0] + SAME < z < self.ends[1] - SAME
-        return inside and not any(abs(z - known) <= SAME for known in (self.base, *self.ports))
+        return inside and not any(abs(z - known) <= SAME for known in (self.base_position, *self.ports))
 
-    def shift_along_shaft(self, shift: float) -> Stretch:
+    def shift_along_shaft(self, shift: float) -> MeshedShaftPart:
         """Return a copy whose axial positions are increased by ``shift`` [m]."""
         stations = {name: tuple(z + shift for z in getattr(self, name)) for name in ("ports", "observers", "ends")}
-        return replace(self, base=self.base + shift, **stations)  # type: ignore[arg-type]
+        return replace(self, base_position=self.base_position + shift, **stations)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
-class CarriedNut:
+class NutOnHousing:
     """Compliance of a nut on a movable housing, to be joined to the shaft and its supports."""
 
     #: Compliance between the k modes of its contacts, with the housing fixed ``(k, k)`` [m/N].
@@ -90,7 +90,7 @@ class CarriedNut:
 
 
 @dataclass(frozen=True)
-class MountedShaft:
+class SupportedShaft:
     """Compliance and displacements of a supported and loaded shaft at its contacts, with its h movable housings.
 
     The contacts of shaft and nuts on movable housings have m displacement modes in all.
@@ -99,26 +99,28 @@ class MountedShaft:
     #: Compliance between the modes ``(m, m)`` [m/N].
     G: Array
     #: Displacements of the modes by loads and prescribed motions ``(m,)`` [m].
-    loads: Array
+    mode_displacements_by_loads: Array
     #: The k unconstrained rigid motions of the shaft about ``origin`` and of the housings ``(6 (1 + h), k)``.
-    motions: Array
+    free_motions: Array
     #: Work of the loads on these motions ``(k,)``.
-    work: Array
+    work_on_free_motions: Array
     #: Axial position of the reference point of the shaft's rigid motion [m].
-    origin: float
+    origin_position: float
     #: Axial positions at which the centreline's motion is given ``(s,)`` [m].
-    stations: tuple[float, ...]
+    centreline_positions: tuple[float, ...]
     #: Motion of the centreline by the loads ``(s, 6)`` [m, rad].
-    line: Array
+    centreline_by_loads: Array
     #: Motion of the centreline by unit modal forces ``(s, 6, m)``.
-    line_modes: Array
+    centreline_by_modal_forces: Array
     #: Motion of the housings by the loads ``(h, 6)`` [m, rad].
-    housings: Array
+    housings_by_loads: Array
     #: Motion of the housings by unit modal forces ``(h, 6, m)``.
-    housings_modes: Array
+    housings_by_modal_forces: Array
 
 
-def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
+def subtract_cut_end_flexibility(
+    stretch: MeshedShaftPart, cut: Array, m: GrooveMap, support_and_load_positions: Sequence[float]
+) -> MeshedShaftPart:
     """Correct the flexibility of the screw's 3D part for its ends, where the mesh is cut but the real shaft continues.
 
     An end is not corrected if no support or load lies beyond it: there the screw itself counts as ended.
@@ -131,7 +133,7 @@ def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequ
         Flexibility E that one cut end adds to a beam [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
     m : GrooveMap
         Geometry of the track.
-    stations : Sequence[float]
+    support_and_load_positions : Sequence[float]
         Axial positions of supports and loads [m].
 
     Returns
@@ -141,17 +143,22 @@ def subtract_cut_ends(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequ
     """
     low, high = stretch.ends
     F = stretch.F.copy()
-    if min(stations) < low:
-        F -= stretch.B @ lower_cut_flexibility(cut, m, low) @ stretch.B.T
-    if max(stations) > high:
-        first = stretch.modes + 6 * stretch.ports.index(high)
-        F[first : first + 6, first : first + 6] -= upper_cut_flexibility(cut, m, high)
+    if min(support_and_load_positions) < low:
+        F -= stretch.B @ flexibility_of_lower_cut_end(cut, m, low) @ stretch.B.T
+    if max(support_and_load_positions) > high:
+        first = stretch.mode_count + 6 * stretch.ports.index(high)
+        F[first : first + 6, first : first + 6] -= flexibility_of_upper_cut_end(cut, m, high)
     return replace(stretch, F=0.5 * (F + F.T))
 
 
 def correct_beam_stiffness(
-    stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap
-) -> Stretch:
+    stretch: MeshedShaftPart,
+    modes_by_rigid_motions: Array,
+    contact_positions: Array,
+    section: ShaftSection,
+    cut: Array,
+    m: GrooveMap,
+) -> MeshedShaftPart:
     """Correct the 3D part of the screw, whose mesh is too stiff, to the beam stiffness of a given cross-section.
 
     The motion of its upper end under forces and moments there, less the effect of both cut ends, shows to which uniform
@@ -162,10 +169,10 @@ def correct_beam_stiffness(
     ----------
     stretch : Stretch
         The stretch.
-    rows : (c, k, 6) Array
+    modes_by_rigid_motions : (c, k, 6) Array
         Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
         position.
-    stations : (c,) Array
+    contact_positions : (c,) Array
         Axial positions of the contacts [m].
     section : ShaftSection
         Stiffnesses of the shaft.
@@ -180,20 +187,22 @@ def correct_beam_stiffness(
         The corrected 3D part.
     """
     low, high = stretch.ends
-    first = stretch.modes + 6 * stretch.ports.index(high)
+    first = stretch.mode_count + 6 * stretch.ports.index(high)
     end = np.s_[first : first + 6]
     B = stretch.B[end]
     per_length = np.diag(
-        stretch.F[end, end] - B @ lower_cut_flexibility(cut, m, low) @ B.T - upper_cut_flexibility(cut, m, high)
+        stretch.F[end, end]
+        - B @ flexibility_of_lower_cut_end(cut, m, low) @ B.T
+        - flexibility_of_upper_cut_end(cut, m, high)
     ) / (high - low)
     bend = 0.5 * (per_length[3] + per_length[4])
     change = np.array([1.0 / section.EA - per_length[2], 1.0 / section.EI - bend, 1.0 / section.GJ - per_length[5]])
-    turn, arms = _motions_by_section_motions(rows, stations, stretch)
+    turn, arms = _motions_by_section_motions(modes_by_rigid_motions, contact_positions, stretch)
     F = stretch.F + turn @ _flexibility_between_beam_sections(arms, *change) @ turn.T
     return replace(stretch, F=0.5 * (F + F.T))
 
 
-def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> MountedShaft:
+def support_shaft_part(stretch: MeshedShaftPart, scene: Scene, section: ShaftSection) -> SupportedShaft:
     """Join the 3D part of the screw to beams at both ends, and apply the supports and loads of a scene.
 
     Parameters
@@ -207,7 +216,7 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
 
     Returns
     -------
-    MountedShaft
+    SupportedShaft
         Compliance and displacements at the contacts.
 
     Raises
@@ -215,16 +224,16 @@ def mount_stretch(stretch: Stretch, scene: Scene, section: ShaftSection) -> Moun
     ValueError
         A support or load inside the stretch lies at none of its ports (sections that can be loaded).
     """
-    return mount_stretches((stretch,), Frame.from_scene(scene), lambda _: section)
+    return join_and_support_shaft_parts((stretch,), ShaftSupports.from_scene(scene), lambda _: section)
 
 
-def mount_stretches(
-    stretches: Sequence[Stretch],
-    frame: Frame,
+def join_and_support_shaft_parts(
+    stretches: Sequence[MeshedShaftPart],
+    frame: ShaftSupports,
     section_at: Callable[[float], ShaftSection],
-    steps: Sequence[float] = (),
-    carried: Sequence[CarriedNut] = (),
-) -> MountedShaft:
+    section_changes: Sequence[float] = (),
+    nuts_on_housings: Sequence[NutOnHousing] = (),
+) -> SupportedShaft:
     """Join the 3D parts of a shaft by beams, and apply its supports and loads.
 
     Parameters
@@ -235,14 +244,14 @@ def mount_stretches(
         Supports, loads and housings.
     section_at : Callable[[float], ShaftSection]
         Function that returns the section of the beam at an axial position [m].
-    steps : Sequence[float], optional
+    section_changes : Sequence[float], optional
         Axial positions where the section changes [m].
-    carried : Sequence[CarriedNut], optional
+    nuts_on_housings : Sequence[NutOnHousing], optional
         Nuts on the housings of the frame, whose modes follow those of the stretches.
 
     Returns
     -------
-    MountedShaft
+    SupportedShaft
         Compliance and displacements at the contacts of shaft and carried nuts.
 
     Raises
@@ -251,20 +260,20 @@ def mount_stretches(
         A support or load inside a stretch lies at none of its ports (sections that can be loaded), or some stretches are
         rigid and others are not.
     """
-    rigid = stretches[0].rigid
-    if any(s.rigid != rigid for s in stretches):
+    rigid = stretches[0].moves_with_base
+    if any(s.moves_with_base != rigid for s in stretches):
         raise ValueError(
             "some rings on the shaft have a rigid bore, which moves with the shaft, and others an elastic one: give all "
             "the same kind"
         )
-    acted = frame.stations
-    ends = {z for s in stretches for z in (s.base, *s.ports)}
+    acted = frame.support_and_load_positions
+    ends = {z for s in stretches for z in (s.base_position, *s.ports)}
     low, high = min((*acted, *ends)), max((*acted, *ends))
-    between = {z for z in steps if low < z < high and not any(s.contains(z) for s in stretches)}
+    between = {z for z in section_changes if low < z < high and not any(s.contains(z) for s in stretches)}
     nodes = _distinct_positions(sorted({*ends, *acted, *between}))
-    place = _NodeFreedoms(nodes)
+    place = _FirstFreedomOfNode(nodes)
     for z in sorted(acted):
-        if not rigid and any(s.is_inside_without_port(z) for s in stretches):
+        if not rigid and any(s.is_at_unloadable_section(z) for s in stretches):
             raise ValueError(
                 f"the support or load at {1e3 * z:.4g} mm lies inside the part of the shaft that is meshed in 3D, "
                 "which was condensed without it: prepare the geometry with all scenes that will be solved"
@@ -276,23 +285,24 @@ def mount_stretches(
             continue
         dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
         K[np.ix_(dof, dof)] += beam_stiffness(b - a, section_at(0.5 * (a + b)))
-    for rows, stiffness in frame.springs():
+    for rows, stiffness in frame.spring_stiffnesses():
         K[n:, n:] += rows.T @ stiffness @ rows
     joined = []
     for s in stretches:
-        joined.append(_contribution_of_stretch(s, place, len(K)))
+        joined.append(_contribution_of_shaft_part(s, place, len(K)))
         K = K + joined[-1].K
-    Y = np.concatenate([j.Y for j in joined] + [np.zeros((len(c.G), len(K))) for c in carried])
-    G = block_diag(*(j.G for j in joined), *(c.G for c in carried))
+    Y = np.concatenate([j.modes_by_node_motions for j in joined] + [np.zeros((len(c.G), len(K))) for c in nuts_on_housings])
+    G = block_diag(*(j.G for j in joined), *(c.G for c in nuts_on_housings))
     first = sum(len(j.G) for j in joined)
-    for c in carried:
+    for c in nuts_on_housings:
         Y[first : first + len(c.G), n + 6 * c.housing : n + 6 * c.housing + 6] = c.B
         first += len(c.G)
 
     T = np.eye(len(K))
     if rigid:
         T = block_diag(
-            np.concatenate([rigid_motion_transfer_matrix(z - stretches[0].base) for z in nodes]), np.eye(len(K) - n)
+            np.concatenate([rigid_motion_transfer_along_z(z - stretches[0].base_position) for z in nodes]),
+            np.eye(len(K) - n),
         )
 
     def freedom(body: int, at: float) -> int:
@@ -303,17 +313,17 @@ def mount_stretches(
         return place[at] if body == 0 else n + 6 * (body - 1)
 
     P = np.zeros(len(K))
-    for body, at, wrench in frame.wrenches():
+    for body, at, wrench in frame.forces_and_moments():
         P[freedom(body, at) : freedom(body, at) + 6] += wrench
     held = [freedom(body, at) + k for body, at, k, _ in frame.prescribed_motions()]
     values = [value for *_, value in frame.prescribed_motions()]
-    motions = find_unconstrained_motions(frame, nodes[0])
+    motions = find_unconstrained_rigid_motions(frame, nodes[0])
     pins = [place[nodes[0]] + k if k < 6 else n + k - 6 for k in select_freedoms_to_constrain(motions)]
     # U = T W, constraints R U = r: a basis of the free motions, and one state that meets the constraints
     rows = np.zeros((len(held) + len(pins), len(K)))
     rows[np.arange(len(rows)), held + pins] = 1.0
     prescribed = np.array(values + [0.0] * len(pins))
-    length = np.tile(1.0 / frame.lengths_per_motion, T.shape[1] // 6)
+    length = np.tile(1.0 / frame.lengths_of_unit_motions, T.shape[1] // 6)
     R = rows @ T * length
     if len(rows):
         _, sizes, vt = np.linalg.svd(R)
@@ -333,15 +343,15 @@ def mount_stretches(
         line = at_start + Z @ (answer @ (P - K @ at_start))
         G = G + (Y @ Z) @ (answer @ Y.T)
         by_modes = Z @ (answer @ Y.T)
-    observed = np.concatenate([j.Y_o for j in joined])
-    inside = block_diag(*(j.G_o for j in joined))
+    observed = np.concatenate([j.observers_by_node_motions for j in joined])
+    inside = block_diag(*(j.observers_by_modal_forces for j in joined))
     inside = np.hstack([inside, np.zeros((len(inside), len(G) - inside.shape[1]))])
     stations = (*nodes, *(z for s in stretches for z in s.observers))
-    return MountedShaft(
+    return SupportedShaft(
         0.5 * (G + G.T),
         Y @ line,
         motions,
-        _work_on_motions(frame, motions, nodes[0]),
+        _work_of_loads_on_motions(frame, motions, nodes[0]),
         nodes[0],
         stations,
         np.concatenate([line[:n], observed @ line]).reshape(-1, 6),
@@ -351,47 +361,53 @@ def mount_stretches(
     )
 
 
-class _JoinedStretch(NamedTuple):
+class _ShaftPartContribution(NamedTuple):
     """Stiffness and compliance that one 3D part of the shaft adds to the whole structure of d degrees of freedom."""
 
     #: Stiffness that it adds to the structure ``(d, d)``.
     K: Array
     #: Displacements of its m modes by unit motions of all degrees of freedom ``(m, d)``.
-    Y: Array
+    modes_by_node_motions: Array
     #: Displacements of its modes by unit modal forces with the nodes fixed ``(m, m)`` [m/N].
     G: Array
     #: Motion of its o observers by unit motions of all degrees of freedom ``(6 o, d)``.
-    Y_o: Array
+    observers_by_node_motions: Array
     #: Motion of its observers by unit modal forces with the nodes fixed ``(6 o, m)``.
-    G_o: Array
+    observers_by_modal_forces: Array
 
 
-def _contribution_of_stretch(stretch: Stretch, place: _NodeFreedoms, size: int) -> _JoinedStretch:
+def _contribution_of_shaft_part(
+    stretch: MeshedShaftPart, first_freedom_at: _FirstFreedomOfNode, freedom_count: int
+) -> _ShaftPartContribution:
     """Compute the stiffness and compliance that one 3D part of the shaft adds to the structure of shaft and housings.
 
-    ``place``: object that gives, for an axial position, the first degree of freedom of the node there; ``size``: number of
-    degrees of freedom of the structure.
+    ``first_freedom_at``: object that gives, for an axial position, the first degree of freedom of the node there;
+    ``freedom_count``: number of degrees of freedom of the structure.
     """
-    m, p = stretch.modes, 6 * len(stretch.ports)
+    m, p = stretch.mode_count, 6 * len(stretch.ports)
     F_mm, F_mp, F_pp = stretch.F[:m, :m], stretch.F[:m, m : m + p], stretch.F[m : m + p, m : m + p]
-    L = np.zeros((size, p))
+    L = np.zeros((freedom_count, p))
     for k, z in enumerate(stretch.ports):
-        L[place[z] : place[z] + 6, 6 * k : 6 * k + 6] += np.eye(6)
-    base = slice(place[stretch.base], place[stretch.base] + 6)
+        L[first_freedom_at[z] : first_freedom_at[z] + 6, 6 * k : 6 * k + 6] += np.eye(6)
+    base = slice(first_freedom_at[stretch.base_position], first_freedom_at[stretch.base_position] + 6)
     L[base] -= stretch.B[m : m + p].T
-    joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, size + m))
-    Y = F_mp @ joined[:, :size]  # F_mp F_pp^-1 L^T + B_m S_base^T
+    joined = np.linalg.solve(F_pp, np.hstack([L.T, F_mp.T])) if p else np.zeros((0, freedom_count + m))
+    Y = F_mp @ joined[:, :freedom_count]  # F_mp F_pp^-1 L^T + B_m S_base^T
     Y[:, base] += stretch.B[:m]
     o = slice(m + p, stretch.F.shape[0])
     F_op = stretch.F[o, m : m + p]
-    Y_o = F_op @ joined[:, :size]
+    Y_o = F_op @ joined[:, :freedom_count]
     Y_o[:, base] += stretch.B[o]
-    return _JoinedStretch(
-        L @ joined[:, :size], Y, F_mm - F_mp @ joined[:, size:], Y_o, stretch.F[o, :m] - F_op @ joined[:, size:]
+    return _ShaftPartContribution(
+        L @ joined[:, :freedom_count],
+        Y,
+        F_mm - F_mp @ joined[:, freedom_count:],
+        Y_o,
+        stretch.F[o, :m] - F_op @ joined[:, freedom_count:],
     )
 
 
-class _NodeFreedoms:
+class _FirstFreedomOfNode:
     """Index of the first degree of freedom of the shaft's node nearest to an axial position [m], by subscript.
 
     ``nodes``: axial positions of the nodes of the shaft [m].
@@ -412,7 +428,7 @@ def _distinct_positions(stations: Sequence[float]) -> list[float]:
     return [z for k, z in enumerate(stations) if k == 0 or z - stations[k - 1] > SAME]
 
 
-def find_unconstrained_motions(frame: Frame, origin: float) -> Array:
+def find_unconstrained_rigid_motions(frame: ShaftSupports, origin: float) -> Array:
     """Find the rigid motions of screw and housings that neither supports nor springs constrain.
 
     Parameters
@@ -427,14 +443,14 @@ def find_unconstrained_motions(frame: Frame, origin: float) -> Array:
     (6 (1 + h), k) Array
         The k motions as columns: six components of the screw, then six of each of the h housings [m, rad].
     """
-    scale = np.tile(1.0 / frame.lengths_per_motion, 1 + len(frame.housings))
+    scale = np.tile(1.0 / frame.lengths_of_unit_motions, 1 + len(frame.housings))
     rows = []
     for body, at, k, _ in frame.prescribed_motions():
         row = np.zeros(scale.size)
-        row[6 * body : 6 * body + 6] = rigid_motion_transfer_matrix(at - origin if body == 0 else 0.0)[k]
+        row[6 * body : 6 * body + 6] = rigid_motion_transfer_along_z(at - origin if body == 0 else 0.0)[k]
         rows.append(row * scale)
-    size = np.diag(frame.lengths_per_motion)
-    for moved, stiffness in frame.springs():
+    size = np.diag(frame.lengths_of_unit_motions)
+    for moved, stiffness in frame.spring_stiffnesses():
         value, vector = np.linalg.eigh(np.linalg.inv(size) @ stiffness @ np.linalg.inv(size))
         stiff = vector[:, value > SLACK * value.max(initial=0.0)].T @ size @ moved
         rows += [np.concatenate([np.zeros(6), direction]) * scale for direction in stiff]
@@ -448,7 +464,8 @@ def find_unconstrained_motions(frame: Frame, origin: float) -> Array:
 def select_freedoms_to_constrain(motions: Array) -> list[int]:
     """Select k degrees of freedom that must be constrained to prevent k rigid motions of shaft and housings.
 
-    ``motions``: the motions from `find_unconstrained_motions` as columns (6 (1 + h), k). Returns the indices of their rows.
+    ``motions``: the motions from `find_unconstrained_rigid_motions` as columns (6 (1 + h), k). Returns the indices of their
+    rows.
     """
     if motions.shape[1] == 0:
         return []
@@ -456,27 +473,29 @@ def select_freedoms_to_constrain(motions: Array) -> list[int]:
     return [int(k) for k in order[: motions.shape[1]]]
 
 
-def _work_on_motions(frame: Frame, motions: Array, origin: float) -> Array:
+def _work_of_loads_on_motions(frame: ShaftSupports, motions: Array, origin: float) -> Array:
     """Compute the work ``(k,)`` of all loads on shaft and housings in k unit rigid motions.
 
-    ``motions``: the rigid motions of `find_unconstrained_motions` (6 (1 + h), k); ``origin``: reference point of the
+    ``motions``: the rigid motions of `find_unconstrained_rigid_motions` (6 (1 + h), k); ``origin``: reference point of the
     screw's motion [m].
     """
     total = np.zeros(len(motions))
-    for body, at, wrench in frame.wrenches():
-        total[6 * body : 6 * body + 6] += rigid_motion_transfer_matrix(at - origin if body == 0 else 0.0).T @ wrench
+    for body, at, wrench in frame.forces_and_moments():
+        total[6 * body : 6 * body + 6] += rigid_motion_transfer_along_z(at - origin if body == 0 else 0.0).T @ wrench
     return np.asarray(motions.T @ total)
 
 
-def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, section: ShaftSection) -> Stretch:
+def replace_shaft_part_by_beam(
+    modes_by_rigid_motions: Array, contact_positions: Array, stretch: MeshedShaftPart, section: ShaftSection
+) -> MeshedShaftPart:
     """Replace the 3D part of the screw by a Timoshenko beam, to see what the 3D mesh contributes.
 
     Parameters
     ----------
-    rows : (c, k, 6) Array
+    modes_by_rigid_motions : (c, k, 6) Array
         Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
         position.
-    stations : (c,) Array
+    contact_positions : (c,) Array
         Axial positions of the contacts [m].
     stretch : Stretch
         The 3D stretch.
@@ -493,26 +512,26 @@ def replace_stretch_by_beam(rows: Array, stations: Array, stretch: Stretch, sect
     ValueError
         A contact or section lies below the base.
     """
-    c, k, _ = rows.shape
-    turn, arms = _motions_by_section_motions(rows, stations, stretch)
+    c, k, _ = modes_by_rigid_motions.shape
+    turn, arms = _motions_by_section_motions(modes_by_rigid_motions, contact_positions, stretch)
     flexibility = _flexibility_between_beam_sections(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
     shear = np.minimum(arms[:, None], arms) / section.kGA
     flexibility[0::6, 0::6] += shear
     flexibility[1::6, 1::6] += shear
     F = turn @ flexibility @ turn.T
-    B = turn @ np.concatenate([rigid_motion_transfer_matrix(a) for a in arms])
-    return Stretch(0.5 * (F + F.T), B, stretch.base, stretch.ports, stretch.observers, stretch.ends, c * k)
+    B = turn @ np.concatenate([rigid_motion_transfer_along_z(a) for a in arms])
+    return MeshedShaftPart(0.5 * (F + F.T), B, stretch.base_position, stretch.ports, stretch.observers, stretch.ends, c * k)
 
 
-def _motions_by_section_motions(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
+def _motions_by_section_motions(rows: Array, stations: Array, stretch: MeshedShaftPart) -> tuple[Array, Array]:
     """Compute the matrix ``(x, 6 s)`` that gives the x motions in ``stretch.F`` from those of s cross-sections of a beam.
 
     The x motions are those of contact modes, ports and observers; each follows the cross-section at its axial position. The
     distances of the sections from the base ``(s,)`` [m] are returned as well. ``rows``, ``stations``: as for
-    `replace_stretch_by_beam`. Raises ValueError if a section lies below the base.
+    `replace_shaft_part_by_beam`. Raises ValueError if a section lies below the base.
     """
     c, k, _ = rows.shape
-    arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
+    arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base_position
     if arms.min() < 0.0:
         raise ValueError(
             f"a contact, support or load lies {-1e3 * arms.min():.4g} mm below the fixed lower end of the shaft's 3D part; "

@@ -37,17 +37,17 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
-from rollbench.hifi.bodies.coarse import expansion_with_rigid_high_end
+from rollbench.hifi.bodies.coarse import all_freedoms_with_rigid_end
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.parts import Material
-from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.sockets import RefinementBoxSize
 
 #: Factors on the components of motions, and of forces and moments, by half a turn about x.
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
@@ -88,14 +88,14 @@ def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
     return np.asarray(R @ flexibility @ R.T)
 
 
-def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
+def flexibility_of_lower_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: float) -> Array:
     """Compute the flexibility that the cut lower end of a shaft adds to that of its uniform beam.
 
     It is the motion of the beam's end relative to the fixed flat section at the cut, in the fixed frame.
 
     Parameters
     ----------
-    cut : (6, 6) Array
+    cut_end_flexibility : (6, 6) Array
         Flexibility E of a cut end, in the frame of the cut [m/N, 1/N, 1/(N m)].
     m : GrooveMap
         Geometry of the track.
@@ -107,17 +107,17 @@ def lower_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
     (6, 6) Array
         Flexibility [m/N, 1/N, 1/(N m)].
     """
-    return rotate_flexibility(HALF_TURN @ cut @ HALF_TURN, groove_azimuth(m, z))
+    return rotate_flexibility(HALF_TURN @ cut_end_flexibility @ HALF_TURN, groove_azimuth(m, z))
 
 
-def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
+def flexibility_of_upper_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: float) -> Array:
     """Compute the flexibility that the cut upper end of a shaft adds to that of its uniform beam.
 
     It is the motion of the rigid flat section at the cut relative to the beam's end, in the fixed frame.
 
     Parameters
     ----------
-    cut : (6, 6) Array
+    cut_end_flexibility : (6, 6) Array
         Flexibility E of a cut end, in the frame of the cut [m/N, 1/N, 1/(N m)].
     m : GrooveMap
         Geometry of the track.
@@ -129,10 +129,10 @@ def upper_cut_flexibility(cut: Array, m: GrooveMap, z: float) -> Array:
     (6, 6) Array
         Flexibility [m/N, 1/N, 1/(N m)].
     """
-    return rotate_flexibility(cut, groove_azimuth(m, z))
+    return rotate_flexibility(cut_end_flexibility, groove_azimuth(m, z))
 
 
-def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
+def fit_flexibility_of_cut_end(m: GrooveMap, flexibilities: Sequence[tuple[float, Array]], per_length: Array) -> Array:
     """Fit the flexibility E that a cut end adds to a uniform beam, to the flexibilities of 3D shafts of several lengths.
 
     The middle of every shaft lies at ``m.z0``. The rotation by a shear force and the displacement by a moment, equal in all
@@ -160,7 +160,7 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
     columns, wanted = [], []
     for length, F in flexibilities:
         rows = [
-            *(_end_flexibility_of_both_cuts(m, length, e * scale) for e in _UNITS),
+            *(_flexibility_of_both_cut_ends(m, length, e * scale) for e in _UNITS),
             end_flexibility_of_cantilever(length, chiral),
         ]
         columns.append(np.array([(x / scale)[_UPPER] for x in rows]).T)
@@ -169,14 +169,14 @@ def fit_cut_flexibility(m: GrooveMap, flexibilities: Sequence[tuple[float, Array
     return np.asarray(np.tensordot(coefficients[:-1], _UNITS, 1) * scale)
 
 
-def _end_flexibility_of_both_cuts(m: GrooveMap, length: float, cut: Array) -> Array:
+def _flexibility_of_both_cut_ends(m: GrooveMap, length: float, cut: Array) -> Array:
     """Compute the flexibility ``(6, 6)`` that both cut ends of a shaft add at its upper end.
 
     ``length``: length of the shaft [m]; ``cut``: flexibility E of one cut end, in the frame of the cut.
     """
-    T, half = rigid_motion_transfer_matrix(length), length / 2.0
+    T, half = rigid_motion_transfer_along_z(length), length / 2.0
     return np.asarray(
-        T @ lower_cut_flexibility(cut, m, m.z0 - half) @ T.T + upper_cut_flexibility(cut, m, m.z0 + half)
+        T @ flexibility_of_lower_cut_end(cut, m, m.z0 - half) @ T.T + flexibility_of_upper_cut_end(cut, m, m.z0 + half)
     )  # T A T^T + R_b E R_b^T
 
 
@@ -187,11 +187,11 @@ class EquivalentBeam:
     #: Stiffnesses of the beam.
     section: ShaftSection
     #: Radii of plain shafts of equal axial, bending and torsional stiffness [m].
-    radii: tuple[float, float, float]
+    equivalent_radii: tuple[float, float, float]
     #: Axial-torsional coupling: twist by a unit axial force, over the geometric mean of axial and torsional flexibility.
-    coupling: float
+    axial_torsional_coupling: float
     #: Flexibility E of a cut that ends the shaft ``(6, 6)``, in the frame of the cut.
-    cut: Array
+    cut_end_flexibility: Array
 
 
 #: Number of leads by which the third shaft is longer than the first: a quarter changes the phase of terms that vary once
@@ -199,7 +199,7 @@ class EquivalentBeam:
 OTHER_PHASE = 0.25
 
 
-def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
+def choose_lengths_of_fitted_shafts(m: GrooveMap) -> tuple[float, float, float]:
     """Choose the lengths of the three 3D shafts to which `compute_equivalent_beam` fits the equivalent beam.
 
     Parameters
@@ -218,7 +218,11 @@ def shaft_lengths(m: GrooveMap) -> tuple[float, float, float]:
 
 
 def compute_equivalent_beam(
-    m: GrooveMap, bore: float, material: Material, section: tuple[Array, float], shafts: Sequence[tuple[float, Array]]
+    m: GrooveMap,
+    bore: float,
+    material: Material,
+    section_stiffness: tuple[Array, float],
+    shafts: Sequence[tuple[float, Array]],
 ) -> EquivalentBeam:
     """Compute the uniform beam equivalent to a grooved shaft, and the flexibility that a cut end adds.
 
@@ -232,7 +236,7 @@ def compute_equivalent_beam(
         Radius of the bore [m].
     material : Material
         Elastic material.
-    section : tuple[Array, float]
+    section_stiffness : tuple[Array, float]
         Stiffness against stretch and twist ``(2, 2)`` [N, N m; N m, N m2] and bending stiffness [N m2], as from
         `stiffness_of_grooved_shaft`.
     shafts : Sequence[tuple[float, Array]]
@@ -246,7 +250,7 @@ def compute_equivalent_beam(
     young, poisson = material.youngs_modulus, material.poissons_ratio
     (least, short), (most, long), _ = shafts
     per_length = (long - short) / (most - least)
-    stiffness, EI = section
+    stiffness, EI = section_stiffness
     yielding = np.linalg.inv(stiffness)
     EA, GJ = 1.0 / yielding[0, 0], 1.0 / yielding[1, 1]
     shear = young / (2.0 * (1.0 + poisson))
@@ -260,11 +264,11 @@ def compute_equivalent_beam(
     bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
     uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
-    return EquivalentBeam(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_cut_flexibility(m, shafts, uniform))
+    return EquivalentBeam(ShaftSection(EA, EI, GJ, kGA), radii, coupling, fit_flexibility_of_cut_end(m, shafts, uniform))
 
 
 def meshed_shaft_flexibility(
-    m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float
+    m: GrooveMap, land_radius: float, bore_radius: float, material: Material, element_size: float, length: float
 ) -> tuple[float, Array]:
     """Mesh a grooved shaft in 3D, clamped at its lower end, and compute the flexibility of its rigid upper end.
 
@@ -272,13 +276,13 @@ def meshed_shaft_flexibility(
     ----------
     m : GrooveMap
         Geometry of the track.
-    outer : float
+    land_radius : float
         Radius of the lands [m].
-    hole : float
+    bore_radius : float
         Radius of the bore of the mesh [m], which may need one where the shaft has none.
     material : Material
         Elastic material.
-    size : float
+    element_size : float
         Element size [m].
     length : float
         Length of the shaft [m].
@@ -290,12 +294,20 @@ def meshed_shaft_flexibility(
     F : (6, 6) Array
         Motion of the rigid end by unit forces and moments on it [m/N, 1/N, 1/(N m)].
     """
-    spec = BodySpec(
-        hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
+    spec = GroovedBodySpec(
+        bore_radius,
+        land_radius,
+        m.z0 - length / 2.0,
+        m.z0 + length / 2.0,
+        True,
+        (),
+        RefinementBoxSize(0.3, 1e-3, 0.05),
+        element_size,
+        element_size,
     )
     mesh = mesh_grooved_body(m, spec)
     K = assemble_constant_form(elasticity_form(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
-    T = expansion_with_rigid_high_end(mesh.mesh, spec.z_high)
+    T = all_freedoms_with_rigid_end(mesh.mesh, spec.z_high)
     return length, symmetric_compliance_of_loads((T.T @ K @ T).tocsc(), sp.eye_array(T.shape[1], format="csr")[-6:])
 
 
@@ -343,14 +355,16 @@ def stiffness_of_grooved_shaft(
     ----------
     Helically symmetric bodies: Treyssede (2008).
     """
-    mesh, period = _section_mesh(m, outer, bore, cells)
+    mesh, period = _mesh_helical_section(m, outer, bore, cells)
     basis = Basis(mesh, ElementVector(ElementQuad2(), 3), intorder=6)
-    stretch_and_twist = _strain_energy(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
-    bending = _strain_energy(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
+    stretch_and_twist = (
+        _stiffness_against_mean_strains(basis, m.rg, 0, material, period, (STRETCH, TWIST)) * 2.0 * np.pi / period
+    )
+    bending = _stiffness_against_mean_strains(basis, m.rg, 1, material, period, (CURVATURE,)) * np.pi / period
     return stretch_and_twist, float(bending[0, 0])
 
 
-def _section_mesh(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
+def _mesh_helical_section(m: GrooveMap, outer: float, bore: float, cells: tuple[int, int, int]) -> tuple[MeshQuad, float]:
     """Mesh the section (r, zeta) of a grooved shaft over one period along z, with the middle of the groove at zeta = 0.
 
     ``outer``, ``bore``: radii of lands and bore [m]; ``cells``: numbers of cells along the groove, along the land and in
@@ -399,14 +413,14 @@ def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> l
     return [u_r, (v_t + u) / r, w_z, u_z + w_r, (u_t - v) / r + v_r, w_t / r + v_z]
 
 
-def _strain_energy(
-    basis: Basis, rg: float, n: int, material: Material, period: float, means: Sequence[tuple[int, int]]
+def _stiffness_against_mean_strains(
+    basis: Basis, rg: float, n: int, material: Material, period: float, mean_strains: Sequence[tuple[int, int]]
 ) -> Array:
     """Compute the stiffness ``(k, k)`` of one period of a shaft against k average strains, from its least strain energy.
 
     ``basis``: finite-element space of the section; ``rg``: rise of the helix [m/rad]; n: number of waves around the axis;
-    ``period``: length of the section's period [m]; ``means``: component of each average strain in `_strain_components`, and
-    the power of the radius with which it grows.
+    ``period``: length of the section's period [m]; ``mean_strains``: component of each average strain in
+    `_strain_components`, and the power of the radius with which it grows.
     """
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
@@ -426,11 +440,11 @@ def _strain_energy(
         return np.asarray((values * weight[:, None]).swapaxes(1, 2))
 
     B = by_cells([_strain_components(f[0], f[0].grad, r, rg, n) for f in basis.basis])
-    mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in means])
+    mean = by_cells([[r**power if k == of else 0.0 * r for k in range(6)] for of, power in mean_strains])
     nodes, size = basis.element_dofs.T, basis.N
     lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
     K = sp.csr_array(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
-    F = np.zeros((size, len(means)), dtype=B.dtype)
+    F = np.zeros((size, len(mean_strains)), dtype=B.dtype)
     np.add.at(F, nodes, B.conj() @ stress(mean))
     prescribed = (mean @ stress(mean)).sum(axis=0)
     T = _periodic_constraints(basis, period)

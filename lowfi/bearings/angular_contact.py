@@ -179,7 +179,7 @@ BallRows = BallBearing | CatalogueBearings
 
 
 @dataclass(frozen=True)
-class ThrustState:
+class BallBearingThrustState:
     """Contact angle, loads and stiffness of a ball bearing at axial displacements of its inner ring.
 
     Each field has the shape of the displacements.
@@ -188,27 +188,27 @@ class ThrustState:
     #: Axial displacement u [m].
     displacement: Array
     #: Contact angle [rad].
-    angle: Array
+    contact_angle: Array
     #: Sum of the approaches at both races [m].
     approach: Array
     #: Contact force Q of a ball [N].
     ball_load: Array
     #: Thrust Z Q sin(alpha) [N].
-    load: Array
+    thrust: Array
     #: Axial stiffness dF/du [N/m].
     stiffness: Array
     #: Hertz constants of a ball on the inner race.
-    inner: HertzConstants
+    inner_hertz: HertzConstants
     #: Hertz constants of a ball on the outer race.
-    outer: HertzConstants
+    outer_hertz: HertzConstants
 
-    def areas(self) -> tuple[Array, Array]:
+    def contact_areas(self) -> tuple[Array, Array]:
         """Return the areas pi a b of a ball's contact ellipses, on the inner, then on the outer race [m^2].
 
         They follow Smith (1994), eq. 2.27.
         """
         grown = np.pi * np.cbrt(self.ball_load) ** 2
-        return grown * self.inner.C_a * self.inner.C_b, grown * self.outer.C_a * self.outer.C_b
+        return grown * self.inner_hertz.C_a * self.inner_hertz.C_b, grown * self.outer_hertz.C_a * self.outer_hertz.C_b
 
 
 def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -236,7 +236,7 @@ def relative_curvatures(bearing: BallRows, angle: Array) -> tuple[tuple[Array, A
     return inner, outer
 
 
-def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float) -> ThrustState:
+def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float) -> BallBearingThrustState:
     """Return contact angle, loads and stiffness of a bearing at axial displacements of its inner ring.
 
     The stiffness includes the change of the contact angle, and of the Hertz constants with it:
@@ -254,7 +254,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
 
     Returns
     -------
-    ThrustState
+    BallBearingThrustState
         The state. Valid if the contact ellipses lie inside the raceways. Thrust in the opposite direction is not modelled:
         balls pushed back beyond their clearance stay loose.
 
@@ -284,7 +284,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     by_angle = _hertz_constant_slope(bearing, angle, inner, outer)
     slope = contact_stiffness_at_approach(approach, c) * (sin - approach * by_angle / c * cos / s)
     load, stiffness = bearing.balls * q * sin, bearing.balls * (slope * sin + q * cos**2 / s)
-    return ThrustState(u, angle, approach, q, load, stiffness, inner, outer)
+    return BallBearingThrustState(u, angle, approach, q, load, stiffness, inner, outer)
 
 
 def _hertz_constant_slope(bearing: BallRows, angle: Array, inner: HertzConstants, outer: HertzConstants) -> Array:
@@ -302,7 +302,7 @@ def _hertz_constant_slope(bearing: BallRows, angle: Array, inner: HertzConstants
     return np.asarray(total)
 
 
-def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, float]:
+def dimensionless_hertz_parameters(curvature_difference: float) -> tuple[float, float, float]:
     """Return the dimensionless approach delta* and semi-axes a*, b* of elliptical Hertz contact, from exact integrals.
 
     a = a* (3 Q/(2 E* S))^(1/3), the same for b, and delta = delta* (3 Q/(2 E* S))^(2/3) S/2, with the load Q and the sum S
@@ -310,7 +310,7 @@ def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, flo
 
     Parameters
     ----------
-    difference
+    curvature_difference
         Curvature difference F, divided by the curvature sum, in [0, 1).
 
     Raises
@@ -327,17 +327,18 @@ def dimensionless_hertz_parameters(difference: float) -> tuple[float, float, flo
     >>> [round(v, 4) for v in dimensionless_hertz_parameters(0.90999)]
     [0.6636, 3.2327, 0.4499]
     """
-    if not 0.0 <= difference < 1.0:
+    if not 0.0 <= curvature_difference < 1.0:
         raise ValueError(
-            f"ratio of curvature difference to sum: got {difference:g}; allowed: 0 to below 1 (1 is a line contact)"
+            f"ratio of curvature difference to sum: got {curvature_difference:g}; allowed: 0 to below 1 (1 is a line "
+            "contact)"
         )
-    h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
+    h = hertz_constants(np.array(1.0 - curvature_difference), np.array(1.0 + curvature_difference), 1.0)
     unit = float(np.cbrt(4.0 / 3.0))
     return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
 
 
 @dataclass(frozen=True)
-class BallRow:
+class BallBearingRow:
     """Load-deflection law of an angular-contact ball bearing, for the equilibrium of several bearings on one shaft."""
 
     #: The bearing.
@@ -345,7 +346,7 @@ class BallRow:
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the balls are loose."""
-        return float(bearing_state_at_displacement(self.bearing, deflection).load)
+        return float(bearing_state_at_displacement(self.bearing, deflection).thrust)
 
     def stiffness(self, deflection: float) -> float:
         """Return the axial stiffness dF/du [N/m] at an axial deflection [m]; zero where the balls are loose."""
@@ -383,7 +384,7 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
     if load == 0.0:
         return 0.0
     high = 1e-9 * bearing.ball_diameter
-    while float(bearing_state_at_displacement(bearing, high).load) < load:
+    while float(bearing_state_at_displacement(bearing, high).thrust) < load:
         high *= 4.0
         if high > bearing.ball_diameter:
             raise ValueError(
@@ -393,12 +394,12 @@ def displacement_under_thrust(bearing: BallBearing, load: float) -> float:
 
     def excess(u: float) -> float:
         """Return by how much the thrust at a displacement u [m] exceeds the given thrust [N]."""
-        return float(bearing_state_at_displacement(bearing, u).load) - load
+        return float(bearing_state_at_displacement(bearing, u).thrust) - load
 
     return float(brentq(excess, 0.0, high, xtol=1e-22, rtol=8.9e-16))
 
 
-def bearing_states_under_thrust(bearings: BallRows, load: Array) -> ThrustState:
+def bearing_states_under_thrust(bearings: BallRows, load: Array) -> BallBearingThrustState:
     """Return contact angle, displacement and stiffness of many ball bearings under given thrusts.
 
     Newton's method is applied to F^(2/3), which is nearly linear in the displacement u.
@@ -416,10 +417,10 @@ def bearing_states_under_thrust(bearings: BallRows, load: Array) -> ThrustState:
         A thrust needs a displacement of more than the ball's diameter, for which Hertz contact is not valid.
     """
     first = BEGINS * bearings.ball_diameter
-    u = contact_approach(load / bearing_state_at_displacement(bearings, first).load, first)
+    u = contact_approach(load / bearing_state_at_displacement(bearings, first).thrust, first)
     for _ in range(STEPS):
         state = bearing_state_at_displacement(bearings, u)
-        step = 1.5 * (np.cbrt(load / state.load) ** 2 - 1.0) * state.load / state.stiffness
+        step = 1.5 * (np.cbrt(load / state.thrust) ** 2 - 1.0) * state.thrust / state.stiffness
         u = np.maximum(u + step, 0.2 * u)
         if float(np.abs(step / u).max()) < ENOUGH and bool(np.all(u < bearings.ball_diameter)):
             return state

@@ -25,7 +25,7 @@ FITS = {
 }
 
 
-def hertz_parameter_by_polynomial(difference: float, quantity: str) -> float:
+def hertz_parameter_by_smith_polynomial(curvature_difference: float, quantity: str) -> float:
     """Return the dimensionless approach delta* or semi-axis a* or b* of Hertz contact by Smith's fitted polynomials.
 
     delta* is within 2 % of the exact value only for F between 0.68 and 0.962, where the minor semi-axis is 39 to 42 % too
@@ -33,7 +33,7 @@ def hertz_parameter_by_polynomial(difference: float, quantity: str) -> float:
 
     Parameters
     ----------
-    difference
+    curvature_difference
         Curvature difference F over the sum of the curvatures.
     quantity
         ``"approach"`` for delta*, ``"major"`` for a*, ``"minor"`` for b*.
@@ -43,7 +43,7 @@ def hertz_parameter_by_polynomial(difference: float, quantity: str) -> float:
     Smith (1994), 2.18, 2.25 and 2.26, with powers 1 to 5, as is meant. In print, 2.25 squares the first power and 2.18 has
     the coefficient -148.46 as an exponent.
     """
-    x = (-np.log10(difference)) ** (2.0 / 3.0)
+    x = (-np.log10(curvature_difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[quantity][::-1], x))
     if quantity == "approach":
         return value
@@ -59,17 +59,17 @@ def curvature_difference(curvatures: Sequence[float]) -> float:
     return abs((a - b) + (c - d)) / (a + b + c + d)
 
 
-def load_constant_of_race(curvature_sum: float, delta: float) -> float:
+def load_constant_of_race(curvature_sum: float, dimensionless_approach: float) -> float:
     """Return the constant K of the law Q = K delta^1.5 of a ball on one race [N/mm^1.5], by eq. 2.8 of Smith (1994).
 
     Parameters
     ----------
     curvature_sum
         Sum of the four principal curvatures [1/mm].
-    delta
+    dimensionless_approach
         Dimensionless approach delta*.
     """
-    return float(LOAD_CONSTANT * curvature_sum**-0.5 * delta**-1.5)
+    return float(LOAD_CONSTANT * curvature_sum**-0.5 * dimensionless_approach**-1.5)
 
 
 def load_constant_of_both_races(inner: float, outer: float) -> float:
@@ -81,35 +81,35 @@ def load_constant_of_both_races(inner: float, outer: float) -> float:
 
 
 @dataclass(frozen=True)
-class Spreadsheet:
+class SmithSpreadsheetValues:
     """Cells of the spreadsheet for a ball bearing in Smith's figure 2-10; pairs are for (inner, outer) race."""
 
     #: Sums of curvatures [1/mm].
-    sums: tuple[float, float]
+    curvature_sums: tuple[float, float]
     #: Curvature differences F.
-    differences: tuple[float, float]
+    curvature_differences: tuple[float, float]
     #: Dimensionless approaches delta*.
-    delta: tuple[float, float]
+    dimensionless_approaches: tuple[float, float]
     #: Load constant K of each race [N/mm^1.5].
-    race: tuple[float, float]
+    race_load_constants: tuple[float, float]
     #: Load constant K_n of both races in series [N/mm^1.5].
-    stiffness: float
+    load_constant: float
     #: Contact angle [rad].
-    angle: float
+    contact_angle: float
     #: Load of a ball [N].
     ball_load: float
     #: Axial deflection [mm].
     deflection: float
 
 
-def compute_spreadsheet(
+def compute_smith_spreadsheet(
     load: float,
     balls: int,
     diameter: float,
     grooves: tuple[float, float],
     raceways: tuple[float, float],
     outer_difference: float | None = None,
-) -> Spreadsheet:
+) -> SmithSpreadsheetValues:
     """Compute the values of the spreadsheet of Smith's figure 2-10 for an axial load on a ball bearing.
 
     Parameters
@@ -129,7 +129,7 @@ def compute_spreadsheet(
     d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
     rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
 
-    def cells(angle: float) -> Spreadsheet:
+    def cells(angle: float) -> SmithSpreadsheetValues:
         """Return the values of all cells of the spreadsheet for a contact angle [rad]."""
         path = dm / np.cos(angle)
         four = (
@@ -140,23 +140,23 @@ def compute_spreadsheet(
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)
         delta = (
-            hertz_parameter_by_polynomial(differences[0], "approach"),
-            hertz_parameter_by_polynomial(differences[1], "approach"),
+            hertz_parameter_by_smith_polynomial(differences[0], "approach"),
+            hertz_parameter_by_smith_polynomial(differences[1], "approach"),
         )
         race = (load_constant_of_race(sums[0], delta[0]), load_constant_of_race(sums[1], delta[1]))
         moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
         q = load / (balls * float(np.sin(angle)))
-        return Spreadsheet(sums, differences, delta, race, load_constant_of_both_races(*race), angle, q, moved)
+        return SmithSpreadsheetValues(sums, differences, delta, race, load_constant_of_both_races(*race), angle, q, moved)
 
     def imbalance(angle: float) -> float:
         """Return by how much a ball's load by equilibrium exceeds its load by deflection [N], for a contact angle [rad]."""
         state = cells(angle)
-        return state.ball_load - state.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
+        return state.ball_load - state.load_constant * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
     return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
 
 
-def row_loads_by_smith(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
+def bearing_row_loads_as_printed(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
     """Return the loads of bearing rows under an external force by Smith's method [N], which balances twice the force.
 
     Smith adds the whole force to the rows of its direction and also subtracts it from the opposite rows. For the stretch of
@@ -180,7 +180,7 @@ def row_loads_by_smith(loads: Sequence[float], directions: Sequence[int], force:
     return np.asarray(np.array(loads, dtype=float) + s * force / count)
 
 
-def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
+def axis_stiffness_as_printed(supports: Sequence[float], screw: float, nut: float) -> float:
     """Return the axial stiffness of a ball-screw axis with supports, whole screw and nut in series (Smith 1994, eq. 4.6).
 
     The result has the unit of the arguments.
@@ -197,7 +197,7 @@ def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> flo
     return 1.0 / (sum(1.0 / k for k in supports) + 1.0 / screw + 1.0 / nut)
 
 
-def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
+def roller_approach_as_printed(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
     """Return the normal deflection of a roller between its races [in] by eq. 3.19 of Smith (1994).
 
     The logarithm has the base 10. The factor 8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel, from the law of two line
@@ -218,22 +218,22 @@ def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_
 
 
 @dataclass(frozen=True)
-class PrintedTaperContact:
+class PrintedRollerContact:
     """Contact of a roller with its inner race as Smith prints it (3.23 to 3.28)."""
 
     #: Load of the roller [lb].
-    load: float
+    roller_load: float
     #: Half-width of the contact [in].
     half_width: float
     #: Contact area [in^2].
-    area: float
+    contact_area: float
     #: Largest pressure [psi].
     pressure: float
 
 
-def taper_contact(
-    axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
-) -> PrintedTaperContact:
+def roller_contact_as_printed(
+    axial: float, rollers: int, length: float, diameter: float, pitch_diameter: float, cone_angle: float
+) -> PrintedRollerContact:
     """Compute the contact of a tapered roller with the inner race by eqs. 3.23 to 3.28 of Smith (1994), errors included.
 
     Parameters
@@ -242,12 +242,12 @@ def taper_contact(
         Thrust [lb].
     rollers
         Number of rollers.
-    length, diameter, pitch
+    length, diameter, pitch_diameter
         Contact length, roller diameter and pitch diameter [in].
     cone_angle
         Half included angle of the cone [rad].
     """
     q = axial / (rollers * np.sin(cone_angle))
-    curvature = 1.0 / (diameter * (1.0 - diameter * np.cos(cone_angle) / pitch))
+    curvature = 1.0 / (diameter * (1.0 - diameter * np.cos(cone_angle) / pitch_diameter))
     b = 0.000278 * np.sqrt(q / (length * curvature))
-    return PrintedTaperContact(float(q), float(b), float(0.5 * length * b), float(2.0 * q / (np.pi * length * b)))
+    return PrintedRollerContact(float(q), float(b), float(0.5 * length * b), float(2.0 * q / (np.pi * length * b)))

@@ -13,7 +13,7 @@ two ends are in parallel:
     k_l = 1/(1/k_1 + x/EA),  k_r = 1/(1/k_2 + (L - x)/EA),  1/k = 1/k_nut + 1/(k_l + k_r).                              (1)
 
 A support without axial stiffness is a floating bearing. Smith (1994), 4.6, adds both supports in series to the whole screw
-between two rigid walls (`lowfi.bearings.as_printed.series_stiffness`).
+between two rigid walls (`lowfi.bearings.as_printed.axis_stiffness_as_printed`).
 
 Several bearings on one shaft, in any arrangement, are in equilibrium under preload and external thrust as follows.
 
@@ -43,7 +43,7 @@ from rollbench.meshes.section import grooved_volume_ratio
 
 
 @dataclass(frozen=True)
-class Axis:
+class ScrewShaftSprings:
     """Screw shaft between two supports; shaft and supports are linear axial springs.
 
     Raises
@@ -79,7 +79,7 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
         return np.asarray(1.0 / sum(1.0 / np.asarray(k, dtype=float) for k in stiffness))
 
 
-def stiffness_of_both_sides(axis: Axis, position: Array | float) -> tuple[Array, Array]:
+def stiffnesses_from_nut_to_frame(axis: ScrewShaftSprings, position: Array | float) -> tuple[Array, Array]:
     """Return the axial stiffnesses from the nut to the frame [N/m], through the left and through the right support.
 
     They are k_l and k_r in eq. (1) of this module.
@@ -105,7 +105,7 @@ def stiffness_of_both_sides(axis: Axis, position: Array | float) -> tuple[Array,
         return _series_stiffness(axis.left, ea / x), _series_stiffness(axis.right, ea / (axis.length - x))
 
 
-def shaft_and_support_stiffness(axis: Axis, position: Array | float) -> Array:
+def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
     With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
@@ -128,11 +128,11 @@ def shaft_and_support_stiffness(axis: Axis, position: Array | float) -> Array:
     >>> float(shaft_and_support_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
     True
     """
-    left, right = stiffness_of_both_sides(axis, position)
+    left, right = stiffnesses_from_nut_to_frame(axis, position)
     return np.asarray(left + right)
 
 
-def carriage_to_frame_stiffness(axis: Axis, position: Array | float, nut: float) -> Array:
+def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float, nut_stiffness: float) -> Array:
     """Return the axial stiffness between carriage and frame through nut, shaft and supports, k in eq. (1) of this module.
 
     The unit is N/m.
@@ -143,7 +143,7 @@ def carriage_to_frame_stiffness(axis: Axis, position: Array | float, nut: float)
         The axis.
     position
         Distance x of the nut from the left support [m].
-    nut
+    nut_stiffness
         Axial stiffness of the nut [N/m].
 
     Examples
@@ -152,10 +152,10 @@ def carriage_to_frame_stiffness(axis: Axis, position: Array | float, nut: float)
     >>> (carriage_to_frame_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
     [233.8, 213.2]
     """
-    return _series_stiffness(nut, shaft_and_support_stiffness(axis, position))
+    return _series_stiffness(nut_stiffness, shaft_and_support_stiffness(axis, position))
 
 
-def support_loads(axis: Axis, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
+def support_loads(axis: ScrewShaftSprings, position: float, force: float, tension: float = 0.0) -> tuple[float, float]:
     """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
 
     A force to the right on the nut adds its part k_l/(k_l + k_r) to the pull on the left support, and the rest reduces the
@@ -177,12 +177,12 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     >>> support_loads(Axis(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
     (5750.0, 4750.0)
     """
-    left, right = (float(k) for k in stiffness_of_both_sides(axis, position))
+    left, right = (float(k) for k in stiffnesses_from_nut_to_frame(axis, position))
     share = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
     return tension + share * force, tension - (1.0 - share) * force
 
 
-def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
+def shaft_tension(axis: ScrewShaftSprings, stretch: float, expansion: float = 0.0, warming: float = 0.0) -> float:
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
     It is F = E A (eps - alpha dT) with the strain eps by the stretch and the warming dT, because the elastic strain is the
@@ -213,7 +213,7 @@ def shaft_tension(axis: Axis, stretch: float, expansion: float = 0.0, warming: f
     return float(springs * (stretch - expansion * warming * axis.length))
 
 
-def warming_that_removes_tension(axis: Axis, stretch: float, expansion: float) -> float:
+def warming_that_removes_tension(axis: ScrewShaftSprings, stretch: float, expansion: float) -> float:
     """Return the uniform rise of temperature at which a stretched shaft loses its tension [K], for any support stiffness.
 
     Parameters
@@ -321,27 +321,27 @@ def reflected_inertia(mass: float, lead: float, efficiency: float = 1.0) -> floa
 
 
 @dataclass(frozen=True)
-class TorqueBudget:
+class DriveTorqueParts:
     """Contributions to the drive torque of a ball-screw axis [N m]."""
 
     #: Torque that the axial load on the ball screw needs [N m].
-    screw: float
+    axial_load_torque: float
     #: Friction torque of the nut [N m].
-    nut: float
+    nut_friction: float
     #: Friction torque of each support [N m].
-    supports: tuple[float, ...]
+    support_friction: tuple[float, ...]
     #: Torque that the acceleration needs [N m].
     acceleration: float
 
     @property
-    def constant_speed(self) -> float:
+    def constant_speed_torque(self) -> float:
         """Drive torque at constant speed [N m] (Smith 1994, eq. 4.10)."""
-        return self.screw + self.nut + sum(self.supports)
+        return self.axial_load_torque + self.nut_friction + sum(self.support_friction)
 
     @property
-    def start_up(self) -> float:
+    def accelerating_torque(self) -> float:
         """Largest drive torque, which includes acceleration [N m] (Smith 1994, eq. 4.11)."""
-        return self.constant_speed + self.acceleration
+        return self.constant_speed_torque + self.acceleration
 
 
 def acceleration_torque(inertias: Sequence[float], speed: float, time: float) -> float:
@@ -363,7 +363,7 @@ def acceleration_torque(inertias: Sequence[float], speed: float, time: float) ->
     return sum(inertias) * speed / time
 
 
-class Row(Protocol):
+class BearingRowLaw(Protocol):
     """Load-deflection law of one bearing row out of several on a shaft; a row that has lost contact has no thrust."""
 
     def thrust(self, deflection: float) -> float:
@@ -377,16 +377,16 @@ class Row(Protocol):
 
 
 @dataclass(frozen=True)
-class PointRow:
+class HertzPowerLawRow:
     """Bearing row with a constant contact angle: its thrust at the axial deflection u is k u^(3/2), by Hertz's law."""
 
     #: Constant k of the thrust k u^(3/2) [N/m^(3/2)].
-    k: float = 1.0
+    thrust_constant: float = 1.0
 
     @property
     def C(self) -> float:
         """Constant C = k^(-2/3) of the deflection C F^(2/3) of the whole row [m/N^(2/3)]."""
-        return float(self.k ** (-2.0 / 3.0))
+        return float(self.thrust_constant ** (-2.0 / 3.0))
 
     def thrust(self, deflection: float) -> float:
         """Return the thrust [N] at an axial deflection [m]; zero where the row is loose."""
@@ -402,23 +402,25 @@ class PointRow:
 
 
 @dataclass(frozen=True)
-class BearingSet:
+class BearingRows:
     """Bearing rows on one shaft, with their directions and preload.
 
     Tandem rows have the same direction. Face-to-face and back-to-back arrangements are the same under pure thrust.
     """
 
     #: Load-deflection laws of the rows.
-    rows: tuple[Row, ...]
+    row_laws: tuple[BearingRowLaw, ...]
     #: Direction of each row: +1 if it takes thrust in the positive direction, else -1.
     directions: tuple[int, ...]
     #: Deflection g_j of each row by the part of the gaps between the rings that the locknut closes [m].
-    offsets: tuple[float, ...]
+    preload_deflections: tuple[float, ...]
 
     def __post_init__(self) -> None:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
-        if not self.rows or not len(self.rows) == len(self.directions) == len(self.offsets):
-            counts = f"{len(self.rows)} rows, {len(self.directions)} directions and {len(self.offsets)} offsets"
+        if not self.row_laws or not len(self.row_laws) == len(self.directions) == len(self.preload_deflections):
+            counts = (
+                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} offsets"
+            )
             raise ValueError(
                 f"bearing rows: got {counts}; allowed: a direction and an offset for each row, at least one row"
             )
@@ -427,13 +429,13 @@ class BearingSet:
 
 
 @dataclass(frozen=True)
-class BearingSetState:
+class BearingRowsState:
     """Loads and stiffness of the bearings on a shaft at one displacement of their inner rings."""
 
     #: Axial displacement u [m].
     displacement: float
     #: Thrust of each row [N], not negative.
-    loads: Array
+    row_thrusts: Array
     #: Stiffness of each row [N/m].
     row_stiffness: Array
 
@@ -443,14 +445,14 @@ class BearingSetState:
         return float(self.row_stiffness.sum())
 
 
-def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
+def _law_values_of_rows(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
     """Return the load [N] or the stiffness [N/m] of each bearing row at a common axial displacement of the inner rings [m].
 
     ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
     deflection are evaluated once.
     """
     known, values = dict[tuple[int, float], float](), []
-    for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
+    for row, s, g in zip(bearings.row_laws, bearings.directions, bearings.preload_deflections, strict=True):
         at = id(row), s * displacement + g
         if at not in known:
             known[at] = law(row, at[1])
@@ -458,21 +460,21 @@ def _evaluate_each_row(bearings: BearingSet, displacement: float, law: Callable[
     return np.array(values)
 
 
-def _thrust_of_rows(bearings: BearingSet, displacement: float) -> Array:
+def _row_thrusts(bearings: BearingRows, displacement: float) -> Array:
     """Return the thrust of each bearing row [N] at a common axial displacement of the inner rings [m]."""
-    return _evaluate_each_row(bearings, displacement, lambda row, d: row.thrust(d))
+    return _law_values_of_rows(bearings, displacement, lambda row, d: row.thrust(d))
 
 
-def bearing_set_state(bearings: BearingSet, displacement: float) -> BearingSetState:
+def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> BearingRowsState:
     """Return loads and stiffness of the bearings on a shaft at a given axial displacement of their inner rings.
 
     ``displacement``: axial displacement u [m], in the positive direction of the rows.
     """
-    stiffness = _evaluate_each_row(bearings, displacement, lambda row, d: row.stiffness(d))
-    return BearingSetState(displacement, _thrust_of_rows(bearings, displacement), stiffness)
+    stiffness = _law_values_of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
+    return BearingRowsState(displacement, _row_thrusts(bearings, displacement), stiffness)
 
 
-def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSetState:
+def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> BearingRowsState:
     """Solve for the axial displacement at which the bearings on a shaft balance an external thrust on their inner rings.
 
     It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
@@ -494,8 +496,8 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
     --------
     Two opposed rows with a preload of 1 kN, under an external thrust of 1 kN: loads of the rows and lift-off force [N].
 
-    >>> pair = equal_rows_with_preload(PointRow(1e10), (1, -1), 1e3)
-    >>> solve_set_equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
+    >>> pair = equal_rows_with_preload(HertzPowerLawRow(1e10), (1, -1), 1e3)
+    >>> solve_bearing_row_equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
     ([1542.4, 542.4], 2828.4)
     """
     s = np.array(bearings.directions)
@@ -504,23 +506,23 @@ def solve_set_equilibrium(bearings: BearingSet, force: float = 0.0) -> BearingSe
             f"external thrust: got {force:g} N, but no row takes thrust in that direction; allowed: the opposite sign"
         )
     if force == 0.0 and np.unique(s).size == 1:
-        return bearing_set_state(bearings, -s[0] * max(bearings.offsets))
+        return state_of_bearing_rows(bearings, -s[0] * max(bearings.preload_deflections))
 
     def excess(u: float) -> float:
         """Return the sum of the rows' forces on the shaft less the external thrust [N] at a displacement u [m]."""
-        return float(s @ _thrust_of_rows(bearings, u)) - force
+        return float(s @ _row_thrusts(bearings, u)) - force
 
     # bracket: one end where the rows of one direction are loose, the other where they carry the whole force
-    step = max(max(abs(g) for g in bearings.offsets), 1e-9)
+    step = max(max(abs(g) for g in bearings.preload_deflections), 1e-9)
     low, high = -step, step
     while excess(low) > 0.0:
         low *= 2.0
     while excess(high) < 0.0:
         high *= 2.0
-    return bearing_set_state(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
+    return state_of_bearing_rows(bearings, float(brentq(excess, low, high, xtol=1e-22, rtol=8.9e-16)))
 
 
-def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> BearingSet:
+def equal_rows_with_gap(row: BearingRowLaw, directions: Sequence[int], gap: float) -> BearingRows:
     """Return equal bearing rows on a shaft that are preloaded because a locknut closes a gap between the rings of each row.
 
     Closing the gaps deflects two opposed rows together by twice the gap.
@@ -534,10 +536,10 @@ def equal_rows_with_gap(row: Row, directions: Sequence[int], gap: float) -> Bear
     gap
         Gap of one row [m].
     """
-    return BearingSet((row,) * len(directions), tuple(directions), (gap,) * len(directions))
+    return BearingRows((row,) * len(directions), tuple(directions), (gap,) * len(directions))
 
 
-def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -> BearingSet:
+def equal_rows_with_preload(row: BearingRowLaw, directions: Sequence[int], force: float) -> BearingRows:
     """Return equal bearing rows on a shaft with a given preload; displacements are measured from the preloaded state.
 
     Parameters
@@ -560,10 +562,10 @@ def equal_rows_with_preload(row: Row, directions: Sequence[int], force: float) -
             f"preload: got bearing rows of the directions {list(directions)}; allowed: rows of both directions"
         )
     depth = {1: row.deflection(force / forward), -1: row.deflection(force / back)}
-    return BearingSet((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
+    return BearingRows((row,) * len(directions), tuple(directions), tuple(depth[s] for s in directions))
 
 
-def lift_off_force(bearings: BearingSet) -> float:
+def lift_off_force(bearings: BearingRows) -> float:
     """Return the external thrust in the positive direction at which all opposite bearing rows lose contact [N].
 
     For two equal opposed rows with load ~ deflection^n it is 2^n times the preload: 2.83 times for balls with a constant
@@ -579,8 +581,8 @@ def lift_off_force(bearings: BearingSet) -> float:
     ValueError
         No row has the direction -1.
     """
-    others = [g for g, s in zip(bearings.offsets, bearings.directions, strict=True) if s == -1]
+    others = [g for g, s in zip(bearings.preload_deflections, bearings.directions, strict=True) if s == -1]
     if not others:
         raise ValueError("lift-off force: got rows of direction +1 only; allowed: at least one row of direction -1")
-    state = bearing_set_state(bearings, max(others))
-    return float(np.array(bearings.directions) @ state.loads)
+    state = state_of_bearing_rows(bearings, max(others))
+    return float(np.array(bearings.directions) @ state.row_thrusts)

@@ -4,8 +4,8 @@ The inner ring's axial and radial displacement compress the roller at azimuth ps
 
     delta = delta_a sin(alpha) + delta_r cos(alpha) cos(psi).                                                           (1)
 
-Equilibrium is the minimum of a convex energy in the two displacements. For comparison, ``solve_by_load_zone`` is Smith's
-method (1994, 3.1-3.21) with load-zone integrals and a power law.
+Equilibrium is the minimum of a convex energy in the two displacements. For comparison, ``solve_by_smith_load_zone`` is
+Smith's method (1994, 3.1-3.21) with load-zone integrals and a power law.
 
 Sjovall's integrals: a roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load
 zone parameter eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3). It carries the largest load times the n-th
@@ -51,7 +51,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
-from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing
+from rollbench.lowfi.rollers import TaperedBearing, tapered_bearing_of_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.numerics import brentq
@@ -72,9 +72,9 @@ class LoadZone:
     #: Load zone parameter: 1/2 if half of the circumference is loaded, infinite for pure thrust.
     eps: float
     #: Sjovall's integral J_a of the thrust, dimensionless.
-    axial: float
+    thrust_integral: float
     #: Sjovall's integral J_r of the radial load, dimensionless.
-    radial: float
+    radial_integral: float
     #: Half of the angle over which the row is loaded [rad].
     half_angle: float
 
@@ -153,7 +153,7 @@ def load_zone_under_thrust_and_radial_load(axial: float, radial: float, angle: f
     def excess(log_eps: float) -> float:
         """Return the logarithm of J_r/J_a over the ratio that the forces require, for a logarithm of eps."""
         zone = load_zone_integrals(float(np.exp(log_eps)), exponent)
-        return float(np.log(zone.radial / zone.axial / ratio))
+        return float(np.log(zone.radial_integral / zone.thrust_integral / ratio))
 
     return load_zone_integrals(float(np.exp(brentq(excess, np.log(1e-8), np.log(exponent / ratio), xtol=1e-13))), exponent)
 
@@ -163,15 +163,15 @@ EXPONENT = 1.1
 
 
 @dataclass(frozen=True)
-class CombinedState:
+class ThrustAndRadialState:
     """Displacements, roller loads and stiffness of a tapered roller bearing in equilibrium under thrust and radial load."""
 
     #: Axial displacement of the inner ring [m].
-    axial: float
+    axial_displacement: float
     #: Radial displacement of the inner ring [m].
-    radial: float
+    radial_displacement: float
     #: Load Q of either race on every roller ``(N,)`` [N].
-    loads: Array
+    roller_loads: Array
     #: Derivatives of the axial and radial force with respect to the axial and radial displacement ``(2, 2)`` [N/m].
     stiffness: Array
     #: Largest unbalanced force over the thrust.
@@ -185,7 +185,7 @@ def roller_azimuths(bearing: TaperedBearing) -> Array:
     return 2.0 * np.pi * np.arange(bearing.rollers) / bearing.rollers
 
 
-def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
+def strain_energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tuple[float, Array, Array, Array]:
     """Return strain energy, forces, stiffness and roller loads of a bearing at a displacement of its inner ring.
 
     Parameters
@@ -203,13 +203,13 @@ def energy_and_derivatives(bearing: TaperedBearing, displacement: Array) -> tupl
     direction = np.column_stack(
         [np.full(bearing.rollers, np.sin(bearing.cup_angle)), np.cos(bearing.cup_angle) * np.cos(roller_azimuths(bearing))]
     )
-    law, length = bearing.law(), bearing.length
+    law, length = bearing.approach_law(), bearing.length
     q = law.line_load(direction @ displacement)
-    energy, slope = length * law.energy(q), length * law.slope(q)
+    energy, slope = length * law.energy_per_length(q), length * law.stiffness_per_length(q)
     return float(energy.sum()), length * (q @ direction), (direction.T * slope) @ direction, length * q
 
 
-def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> CombinedState:
+def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, radial: float) -> ThrustAndRadialState:
     """Solve for the equilibrium of a tapered roller bearing under thrust and radial load, by Newton's method on its energy.
 
     Parameters
@@ -224,10 +224,10 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
     ValueError
         The thrust is too small, F_a <= F_r tan(alpha), so that the rings separate, or the radial load is negative.
     """
-    start = solve_by_load_zone(bearing, axial, radial)
-    force, x = np.array([axial, radial]), np.array([start.axial, start.radial])
+    start = solve_by_smith_load_zone(bearing, axial, radial)
+    force, x = np.array([axial, radial]), np.array([start.axial_displacement, start.radial_displacement])
     for _ in range(100):
-        energy, inner, slope, loads = energy_and_derivatives(bearing, x)
+        energy, inner, slope, loads = strain_energy_and_derivatives(bearing, x)
         off = inner - force
         if np.abs(off).max() <= 1e-12 * axial:
             break
@@ -235,19 +235,21 @@ def solve_thrust_and_radial_equilibrium(bearing: TaperedBearing, axial: float, r
         step = -np.linalg.solve(slope + 1e-9 * np.trace(slope) * np.eye(2), off)
         x = x + _largest_descending_step(bearing, x, step, energy - float(force @ x), force) * step
     residual = float(np.abs(off).max() / axial)
-    return CombinedState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
+    return ThrustAndRadialState(float(x[0]), float(x[1]), loads, slope, residual, residual < 1e-9)
 
 
-def _largest_descending_step(bearing: TaperedBearing, x: Array, step: Array, level: float, force: Array) -> float:
+def _largest_descending_step(
+    bearing: TaperedBearing, displacement: Array, step: Array, potential_energy: float, force: Array
+) -> float:
     """Return the largest fraction 1, 1/2, 1/4, ... of a Newton step that does not increase the bearing's potential energy.
 
-    Round-off is tolerated. ``x``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m]; ``level``:
-    potential energy at ``x`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
+    Round-off is tolerated. ``displacement``, ``step``: displacement and Newton step, axial and radial ``(2,)`` [m];
+    ``potential_energy``: potential energy at ``displacement`` [J]; ``force``: external axial and radial force ``(2,)`` [N].
     """
     fraction = 1.0
     while fraction > 1e-6:
-        trial = x + fraction * step
-        if _elastic_energy(bearing, trial) - float(force @ trial) <= level + 1e-14 * abs(level):
+        trial = displacement + fraction * step
+        if _elastic_energy(bearing, trial) - float(force @ trial) <= potential_energy + 1e-14 * abs(potential_energy):
             return fraction
         fraction *= 0.5
     return fraction
@@ -259,26 +261,26 @@ def _elastic_energy(bearing: TaperedBearing, x: Array) -> float:
     ``x``: axial and radial displacement of the inner ring ``(2,)`` [m].
     """
     try:
-        return energy_and_derivatives(bearing, x)[0]
+        return strain_energy_and_derivatives(bearing, x)[0]
     except ValueError:
         return np.inf
 
 
 @dataclass(frozen=True)
-class ZoneState:
+class LoadZoneSolution:
     """Displacements and largest roller load of a bearing under thrust and radial load, by load-zone integrals."""
 
     #: Axial displacement of the inner ring [m].
-    axial: float
+    axial_displacement: float
     #: Radial displacement of the inner ring [m].
-    radial: float
+    radial_displacement: float
     #: Largest roller load [N].
-    greatest: float
+    largest_roller_load: float
     #: Load zone of the row.
-    zone: LoadZone
+    load_zone: LoadZone
 
 
-def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
+def solve_by_smith_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> LoadZoneSolution:
     """Return displacements and largest roller load of a bearing by Smith's load-zone method.
 
     The integrals over the load zone and the law of the line contact are exact. A power law distributes the load over the
@@ -291,10 +293,10 @@ def solve_by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> 
     Smith (1994), 3.14 to 3.21.
     """
     zone = load_zone_under_thrust_and_radial_load(axial, radial, bearing.cup_angle, EXPONENT)
-    greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)
-    normal = float(bearing.law().approach(greatest / bearing.length))
+    greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.thrust_integral)
+    normal = float(bearing.approach_law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps
-    return ZoneState(
+    return LoadZoneSolution(
         float((1.0 - w) * normal / np.sin(bearing.cup_angle)),
         float(w * normal / np.cos(bearing.cup_angle)),
         float(greatest),
@@ -309,18 +311,18 @@ _U, _W = np.polynomial.legendre.leggauss(32)
 
 
 @dataclass(frozen=True)
-class Rib:
+class RibContactGeometry:
     """Geometry of the contact of a roller's spherical large end with the rib of the cone, by eqs. (2) to (4)."""
 
     #: Angle theta of the contact normal against the roller's axis [rad].
-    tilt: float
+    normal_tilt: float
     #: Relative curvatures along the rim and across the rim [1/m].
-    curvatures: tuple[float, float]
+    relative_curvatures: tuple[float, float]
     #: Radius of curvature R_f of the rib across its generator [m].
-    radius: float
+    rib_curvature_radius: float
 
 
-def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> Rib:
+def rib_contact_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> RibContactGeometry:
     """Return the geometry of the contact of a roller's spherical large end with the rib, by eqs. (2) to (4) of this module.
 
     Parameters
@@ -350,7 +352,7 @@ def rib_geometry(bearing: TaperedBearing, end_radius: float, height: float) -> R
     if not tilt < beta:
         raise ValueError("a larger radius, so that the roller's spherical end can touch the conical rib")
     radius = end_radius + s * float(np.sin(beta) / np.sin(beta - tilt))
-    return Rib(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
+    return RibContactGeometry(tilt, (1.0 / end_radius - 1.0 / radius, 1.0 / end_radius), radius)
 
 
 def rib_height(row: RollerRow) -> float:
@@ -420,11 +422,11 @@ def rib_contact(row: RollerRow, loads: Array) -> RibContact | None:
     Raises
     ------
     ValueError
-        The radius of the end is outside the range of `rib_geometry`.
+        The radius of the end is outside the range of `rib_contact_geometry`.
     """
     if not (loads > 0.0).any():
         return None
-    bearing, height = tapered_bearing(row), rib_height(row)
+    bearing, height = tapered_bearing_of_row(row), rib_height(row)
     worst = int(loads.argmax())
     load = 2.0 * float(loads[worst] * np.sin(bearing.roller_angle))
     words = [] if row.rib_height is not None else [f"rib_height is assumed, {USUAL_HEIGHT:g} of the roller's diameter"]
@@ -457,13 +459,13 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
     Raises
     ------
     ValueError
-        The radius of the end is outside the range of `rib_geometry`.
+        The radius of the end is outside the range of `rib_contact_geometry`.
     """
     root = np.cbrt(np.asarray(load, dtype=float))
     if row.end_radius is None:
         return 0.0 * root, 0.0 * root
     E, nu = row.material.youngs_modulus, row.material.poissons_ratio
-    along, across = rib_geometry(tapered_bearing(row), row.end_radius, rib_height(row)).curvatures
+    along, across = rib_contact_geometry(tapered_bearing_of_row(row), row.end_radius, rib_height(row)).relative_curvatures
     h = hertz_constants(np.array(along), np.array(across), contact_modulus(E, nu, E, nu))
     return np.asarray(h.C_a * root), np.asarray(h.C_b * root)
 

@@ -10,8 +10,8 @@ coefficients differ by lubrication, series and author, so each torque is a range
 Q/Q_0 is the largest contact load over the contact force of the static load rating by ISO 76. It replaces P_0/C_0 (Smith
 2.36) for any combination of loads. The coefficients z, y and P_1 are in `LOAD`, f_0 in `VISCOUS`.
 
-For a row of tapered rollers the torque follows from the power lost in its contacts (`roller_torque`). The rollers roll
-about the common apex (`lowfi.bearings.tapered_roller`, 5), so that the relative motion and the power P lost in every
+For a row of tapered rollers the torque follows from the power lost in its contacts (`roller_bearing_torque`). The rollers
+roll about the common apex (`lowfi.bearings.tapered_roller`, 5), so that the relative motion and the power P lost in every
 contact are known. The torque about the bearing's axis is the sum of P/omega, omega the angular speed of the rings relative
 to each other. The losses are:
 
@@ -47,7 +47,12 @@ from rollbench.lowfi.bearings.tapered_roller import (
     rib_height,
     roller_speed_ratios,
 )
-from rollbench.lowfi.rollers import TaperedBearing, half_widths_and_pressures_of_slices, slice_middles, tapered_bearing
+from rollbench.lowfi.rollers import (
+    TaperedBearing,
+    half_widths_and_pressures_of_slices,
+    slice_middles,
+    tapered_bearing_of_row,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Lubricant
@@ -87,7 +92,7 @@ THRUST, RADIAL_UP_TO = 0.0008, np.pi / 4.0
 STARTING = 2.0
 
 
-def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed: float) -> float:
+def load_independent_torque(lubrication_factor: float, pitch_diameter: float, viscosity: float, speed: float) -> float:
     """Return the load-independent friction torque M_0 of a ball bearing [N m].
 
     M_0 = 1e-8 kg f_0 (nu n)^(2/3) d_m^3 in mm, mm^2/s and rpm. Below nu n = 2000 mm^2/s rpm, where the film is thinner than
@@ -95,7 +100,7 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
     Parameters
     ----------
-    factor
+    lubrication_factor
         Coefficient f_0 of design and lubrication (`VISCOUS`).
     pitch_diameter
         Pitch diameter d_m [m].
@@ -113,15 +118,15 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
     --------
     f_0 = 2, 40 mm, 20 mm^2/s, 1500 rpm; newer catalogues have 1e-7 N for 1e-8 kg, which gives 12.36 N mm:
 
-    >>> round(viscous_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
+    >>> round(load_independent_torque(2.0, 40e-3, 20e-6, 1500.0 * np.pi / 30.0) * 1e3, 2)  # N mm
     12.12
     """
     film = max(1e6 * viscosity * abs(speed) * 30.0 / np.pi, LEAST_FILM)
-    return float(1e-8 * KILOGRAM_FORCE * 1e-3 * factor * film ** (2.0 / 3.0) * (1e3 * pitch_diameter) ** 3)
+    return float(1e-8 * KILOGRAM_FORCE * 1e-3 * lubrication_factor * film ** (2.0 / 3.0) * (1e3 * pitch_diameter) ** 3)
 
 
 @result_record
-class BallTorque:
+class BallBearingTorque:
     """Friction torque of a row of balls [N m], as a range (low, high) given by the published coefficients."""
 
     #: Load-dependent part M_1 as (low, high) [N m].
@@ -164,9 +169,9 @@ class BallTorque:
         return None if self.viscous is None else (self.load[0] + self.viscous[0], self.load[1] + self.viscous[1])
 
 
-def ball_torque(
+def ball_bearing_torque(
     kind: Kind, angle: float, pitch_diameter: float, loads: tuple[float, float, float], viscous: Band | None
-) -> BallTorque:
+) -> BallBearingTorque:
     """Return the friction torque of a row of balls between rings that turn against each other.
 
     Validity: the coefficients were measured on catalogue bearings that are run in and not freshly greased, at loads up to
@@ -202,11 +207,11 @@ def ball_torque(
         low = THRUST
     one = share**power * max(axial * thrust + across * radial, radial) * pitch_diameter
     load = low * one, high * one
-    return BallTorque(load, viscous, (STARTING * load[0], STARTING * load[1]))
+    return BallBearingTorque(load, viscous, (STARTING * load[0], STARTING * load[1]))
 
 
 @result_record
-class LoadTorque:
+class PalmgrenLoadTorque:
     """Load-dependent friction torque M_1 of a ball bearing, with the factors from which it is computed."""
 
     #: Torque M_1 [N m].
@@ -221,7 +226,7 @@ class LoadTorque:
     #: Static equivalent load P_0 [N].
     equivalent_load: float = quantity_field("equivalent_load_N", "static equivalent load P0 of the bearing")
     #: Static load rating C_0 [N].
-    rating: float = quantity_field("static_rating_N", "static load rating C0 of the bearing by Palmgren's formula")
+    static_rating: float = quantity_field("static_rating_N", "static load rating C0 of the bearing by Palmgren's formula")
 
 
 def palmgren_static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
@@ -250,7 +255,7 @@ def palmgren_static_rating(rows: int, balls: int, ball_diameter: float, angle: f
 
 def load_dependent_torque(
     axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3
-) -> LoadTorque:
+) -> PalmgrenLoadTorque:
     """Return the load-dependent friction torque M_1 = f_1 g_1 P_0 d_m of a ball bearing.
 
     f_1 = 0.0013 (P_0/C_0)^(1/3) is for contact angles of about 60 deg. g_1 P_0 is taken as F_a, so that Y_0 has an
@@ -278,10 +283,10 @@ def load_dependent_torque(
     """
     equivalent = 0.5 * radial + axial_factor * axial
     factor = 0.0013 * float(np.cbrt(equivalent / rating))
-    return LoadTorque(factor * axial * pitch_diameter, factor, equivalent, rating)
+    return PalmgrenLoadTorque(factor * axial * pitch_diameter, factor, equivalent, rating)
 
 
-def timken_running_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
+def timken_running_torque(bearing_factor: float, viscosity: float, speed: float, axial: float) -> float:
     """Return the running torque of a tapered roller bearing under thrust by Timken's formula [N m].
 
     The formula is 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb, in rpm, cP and lb. It is valid for run-in bearings in circulating
@@ -289,7 +294,7 @@ def timken_running_torque(geometry: float, viscosity: float, speed: float, axial
 
     Parameters
     ----------
-    geometry
+    bearing_factor
         Timken's bearing factor G_1, from the manufacturer.
     viscosity
         Dynamic viscosity mu [Pa s].
@@ -308,7 +313,7 @@ def timken_running_torque(geometry: float, viscosity: float, speed: float, axial
     0.348
     """
     rpm_centipoise = 1e3 * viscosity * speed * 30.0 / np.pi
-    pounds = 3.54e-5 * geometry * rpm_centipoise**0.62 * (axial / _POUND) ** 0.30
+    pounds = 3.54e-5 * bearing_factor * rpm_centipoise**0.62 * (axial / _POUND) ** 0.30
     return float(pounds * _INCH * _POUND)
 
 
@@ -343,7 +348,7 @@ UNEVEN = 1.1
 
 
 @result_record
-class RollerTorque:
+class RollerBearingTorque:
     """Friction torque of a row of tapered rollers about its axis [N m], from losses in its contacts and by Timken."""
 
     #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
@@ -405,9 +410,9 @@ class RollerTorque:
         return self.hysteresis + self.rib
 
 
-def roller_torque(
+def roller_bearing_torque(
     row: RollerRow, line_loads: Array, speed: float | None, lubricant: Lubricant | None
-) -> RollerTorque | None:
+) -> RollerBearingTorque | None:
     """Return the friction torque of a row of tapered rollers, by eqs. (1) to (3) of this module and by Timken's formula.
 
     Parameters
@@ -423,17 +428,18 @@ def roller_torque(
 
     Returns
     -------
-    RollerTorque | None
+    RollerBearingTorque | None
         Parts and sum of the torque; None without load.
 
     Raises
     ------
     ValueError
-        The radius of the rollers' ends is outside the range of `rollbench.lowfi.bearings.tapered_roller.rib_geometry`.
+        The radius of the rollers' ends is outside the range of
+        `rollbench.lowfi.bearings.tapered_roller.rib_contact_geometry`.
     """
     if not (line_loads > 0.0).any():
         return None
-    bearing, speed = tapered_bearing(row), abs(speed or 0.0)
+    bearing, speed = tapered_bearing_of_row(row), abs(speed or 0.0)
     loads = line_loads.mean(axis=1) * row.length
     cone, _ = roller_speed_ratios(bearing)
     rib = 2.0 * np.sin(bearing.roller_angle) * loads
@@ -459,7 +465,7 @@ def roller_torque(
     elastic = hysteresis_torque(bearing, line_loads)
     others = elastic + (film or 0.0)
     low, high = (None if row.rib_friction is not None else others + k * sliding for k in FRICTIONS)
-    return RollerTorque(film, elastic, mu * sliding, low, high, timken, "; ".join(words))
+    return RollerBearingTorque(film, elastic, mu * sliding, low, high, timken, "; ".join(words))
 
 
 def rolling_speed(bearing: TaperedBearing, along: Array, speed: float) -> Array:
@@ -495,7 +501,7 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
         The lubricant.
     """
     x = slice_middles(bearing.length, line_loads.shape[-1])
-    roller, cone, cup = bearing.radii(x)
+    roller, cone, cup = bearing.curvature_radii(x)
     u, width = rolling_speed(bearing, x, speed), bearing.length / x.size
     lost = 0.0
     for curvature in (1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup):
@@ -506,7 +512,9 @@ def film_torque(bearing: TaperedBearing, line_loads: Array, speed: float, lubric
     return lost / speed
 
 
-def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, modulus: float) -> Array:
+def film_rolling_resistance(
+    line_load: Array, speed: Array, radius: Array, lubricant: Lubricant, plane_strain_modulus: float
+) -> Array:
     """Return the rolling resistance of the lubricant film per length and surface [N/m], by eq. (1) of this module.
 
     It is zero without load.
@@ -521,7 +529,7 @@ def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubri
         Relative radius R [m].
     lubricant
         The lubricant.
-    modulus
+    plane_strain_modulus
         Modulus E' = E/(1 - nu^2) [Pa].
 
     References
@@ -536,7 +544,9 @@ def film_rolling_resistance(line_load: Array, speed: Array, radius: Array, lubri
     """
     q = np.asarray(line_load, dtype=float)
     gu = lubricant.pressure_viscosity * lubricant.dynamic_viscosity * speed / radius
-    return np.asarray(4.318 * gu**0.658 * (q / (modulus * radius)) ** 0.0126 * radius / lubricant.pressure_viscosity)
+    return np.asarray(
+        4.318 * gu**0.658 * (q / (plane_strain_modulus * radius)) ** 0.0126 * radius / lubricant.pressure_viscosity
+    )
 
 
 def hysteresis_torque(bearing: TaperedBearing, line_loads: Array) -> float:

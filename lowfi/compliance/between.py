@@ -12,43 +12,43 @@ from functools import lru_cache
 
 import numpy as np
 
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
 from rollbench.lowfi.compliance.faces import (
     REACH,
-    NearFace,
+    GrooveAndFaceCompliance,
+    compute_groove_and_face_compliance,
     contact_motions_by_own_section_wrench,
-    near_face_compliance,
     perpendicular_directions,
 )
-from rollbench.lowfi.compliance.groove import RingCompliance, compliance_between_ring_contacts, ring_compliance
+from rollbench.lowfi.compliance.groove import GrooveRingCompliance, compliance_between_ring_contacts, ring_compliance
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     CLAMPED,
     REFINED,
-    Backend,
+    ComplianceModel,
+    compliance_block_of_flanks,
     fixed_surface,
     grooved_section,
     half_groove_of_body,
-    is_ring,
-    nut_beam_ends,
+    is_elastic_bearing_ring,
+    nut_beam_ends_and_clamps,
     reduce_to_compliance_geometry,
-    select_flanks,
     smooth_body,
 )
 from rollbench.lowfi.compliance.tube import (
-    Tube,
-    TubeCompliance,
+    SmoothBody,
+    SmoothBodyCompliance,
     cantilever_compliance,
     clamped_beam_compliance,
     compliance_of_local_groove_strains,
     contact_compliance,
     contact_motions_by_rigid_motions,
-    end_springs,
+    convert_contacts_to_cylindrical,
     gaussian_weights_on_line,
-    motions_by_section_load,
-    points_in_space,
-    project_on_surface,
-    spring_compliance,
+    low_end_spring_compliance,
+    low_end_spring_stiffnesses,
+    move_contacts_to_surface,
+    shaft_motions_by_section_loads,
     tube_compliance,
 )
 from rollbench.meshes.arrays import Array
@@ -83,7 +83,7 @@ def contact_points_and_axes(
 
 
 @lru_cache(maxsize=32)
-def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
+def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> SmoothBodyCompliance:
     """Return the compliance of the smooth body that represents screw or nut, over the axial range of its contacts.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
@@ -93,26 +93,26 @@ def compliance_of_smooth_body(geometry: Scene, screw: bool, backend: Backend) ->
     return cached_tube_compliance(tube, axial_range_of_contacts(geometry, tube))
 
 
-def axial_range_of_contacts(geometry: Scene, tube: Tube) -> tuple[float, float]:
+def axial_range_of_contacts(geometry: Scene, tube: SmoothBody) -> tuple[float, float]:
     """Return the lower and upper end of the axial range [m] that contains all load patches on a smooth body.
 
     It is the nut's length and `BESIDE` widths of a patch beyond either face. ``geometry``: scene of
     `reduce_to_compliance_geometry`; ``tube``: smooth body, which gives the width of the patches.
     """
-    half = geometry.nut.length / 2.0 + BESIDE * tube.width
+    half = geometry.nut.length / 2.0 + BESIDE * tube.patch_width
     return geometry.nut.position - half, geometry.nut.position + half
 
 
 #: Functions whose results are cached by the tube, so that scenes with the same screw but another nut share results.
 cached_tube_compliance, cached_section_motions = (
     lru_cache(maxsize=32)(tube_compliance),
-    lru_cache(maxsize=32)(motions_by_section_load),
+    lru_cache(maxsize=32)(shaft_motions_by_section_loads),
 )
 
 
 @lru_cache(maxsize=32)
-@cached_on_disk(RingCompliance)
-def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
+@cached_on_disk(GrooveRingCompliance)
+def grooved_ring_compliance(geometry: Scene, screw: bool) -> GrooveRingCompliance:
     """Return the compliance of a bearing ring with its groove, cached on disk by its geometry.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the ring is the inner ring (True) or the
@@ -121,7 +121,7 @@ def grooved_ring_compliance(geometry: Scene, screw: bool) -> RingCompliance:
     return ring_compliance(half_groove_of_body(geometry, screw), fixed_surface(geometry, screw))
 
 
-def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
+def flank_self_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
     """Return the local compliance of a groove flank at a contact [m/N], in addition to Hertz's law and the smooth body.
 
     It is the motion of the contact by a unit load on itself, less the motions by Hertz's law and by the smooth body. It
@@ -132,18 +132,18 @@ def flank_self_compliance(geometry: Scene, screw: bool, backend: Backend) -> flo
     ``backend``: model of the bodies.
     """
     flank = half_groove_of_body(geometry, screw)
-    if is_ring(geometry, screw):
-        return grooved_ring_compliance(geometry, screw).normals - half_space_compliance(
-            NARROW * flank.map.ball, flank.material
+    if is_elastic_bearing_ring(geometry, screw):
+        return grooved_ring_compliance(geometry, screw).local_normal_correction - half_space_compliance(
+            NARROW * flank.groove_map.ball, flank.material
         )
     tube = smooth_body(geometry, screw, backend)
     if not backend.flank:  # the half space at the smooth body's own patch only
-        return -half_space_compliance(tube.width, tube.material)
-    return near_face_compliance_of_body(geometry, screw, backend).alone
+        return -half_space_compliance(tube.patch_width, tube.material)
+    return groove_and_face_compliance_of_body(geometry, screw, backend).self_compliance
 
 
 def smooth_body_compliance_beyond_beam(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+    scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] of the smooth body between c contacts, less that of the smooth beam.
 
@@ -156,35 +156,35 @@ def smooth_body_compliance_beyond_beam(
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a ball contact lies beyond the nut's faces: lengthen the nut or reduce the number of turns")
     smooth = compliance_of_smooth_body(geometry, screw, backend)
-    G = contact_compliance(smooth, points_in_space(x, axes))
+    G = contact_compliance(smooth, convert_contacts_to_cylindrical(x, axes))
     tube = smooth.tube
     plain = tube.section
-    x = project_on_surface(tube, x)
+    x = move_contacts_to_surface(tube, x)
     rows, stations = contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
-        G = G - spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
+        G = G - low_end_spring_compliance(tube, x, axes) - clamped_beam_compliance(rows, stations, tube.ends, "low", plain)
         if backend.flank:
             G = G + compliance_of_local_groove_strains(
                 contact_motions_by_section_wrench(scene, layout, True, backend, flanks), rows, stations, tube.ends[0]
             )
     elif tube.held in CLAMPED:
-        G = G - clamped_beam_compliance(rows, stations, *nut_beam_ends(tube), plain)
+        G = G - clamped_beam_compliance(rows, stations, *nut_beam_ends_and_clamps(tube), plain)
     return G
 
 
 def contact_motions_by_section_wrench(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+    scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the local motions ``(2 c, 6)`` of c contacts by a unit wrench on the cross-section at each contact.
 
     The motions of the smooth body are subtracted. The wrench consists of three forces and three moments. At a groove the
-    body is thinner than on average and therefore strains more (`NearFace.strains`). Arguments, and the c contacts with two
-    axes each, are those of `smooth_body_compliance_beyond_beam`.
+    body is thinner than on average and therefore strains more (`GrooveAndFaceCompliance.strains`). Arguments, and the c
+    contacts with two axes each, are those of `smooth_body_compliance_beyond_beam`.
     """
-    found = near_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
-    points = points_in_space(*contact_points_and_axes(scene, layout, screw, flanks))
+    found = groove_and_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
+    points = convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
     return contact_motions_by_own_section_wrench(
-        points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.strains
+        points, np.repeat([2.0 * side - 1.0 for side in flanks], layout.z.size), found.section_strain_motions
     )
 
 
@@ -206,17 +206,17 @@ def nut_beam_compliance(
     return clamped_beam_compliance(
         contact_motions_by_rigid_motions(x, axes),
         np.repeat(x[:, 2], 2),
-        *nut_beam_ends(tube),
+        *nut_beam_ends_and_clamps(tube),
         section,
         section_strain_motions,
     )
 
 
 @lru_cache(maxsize=32)
-def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend) -> NearFace:
+def groove_and_face_compliance_of_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> GrooveAndFaceCompliance:
     """Return the compliance that grooves and end faces of screw or nut add between contacts on the same or the next turn.
 
-    The result is cached in memory by the geometry, and that of `cached_near_face` on disk.
+    The result is cached in memory by the geometry, and that of `cached_groove_and_face_compliance` on disk.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
@@ -225,61 +225,63 @@ def near_face_compliance_of_body(geometry: Scene, screw: bool, backend: Backend)
     section, tube = grooved_section(geometry, screw), smooth_body(geometry, screw, backend)
     low, high = (abs(end - geometry.nut.position) - 0.5 * geometry.nut.length for end in tube.ends)
     near = min(low, high) < REACH * geometry.balls.radius
-    return cached_near_face(
+    return cached_groove_and_face_compliance(
         half_groove_of_body(geometry, screw), replace(tube, ends=(0.0, 0.0), flange=None), section, radii, near
     )
 
 
 @lru_cache(maxsize=32)
-@cached_on_disk(NearFace)
-def cached_near_face(flank: Flank, tube: Tube, section: BeamSection, radii: tuple[float, float], near: bool) -> NearFace:
-    """Return the result of `near_face_compliance`, cached on disk by its arguments.
+@cached_on_disk(GrooveAndFaceCompliance)
+def cached_groove_and_face_compliance(
+    flank: HalfGroove, tube: SmoothBody, section: BeamSection, fixed_radii: tuple[float, float], has_near_face: bool
+) -> GrooveAndFaceCompliance:
+    """Return the result of `compute_groove_and_face_compliance`, cached on disk by its arguments.
 
-    ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``radii``: range of radii in
-    which a face is fixed [m]; ``near``: whether an end face is so near to a contact that its effect is computed. Ends and
-    flange of the tube have no influence.
+    ``flank``: groove of the body; ``tube``: smooth body; ``section``: section of the beam; ``fixed_radii``: range of radii
+    in which a face is fixed [m]; ``has_near_face``: whether an end face is so near to a contact that its effect is
+    computed. Ends and flange of the tube have no influence.
     """
-    return near_face_compliance(flank, tube, section, radii, near=near)
+    return compute_groove_and_face_compliance(flank, tube, section, fixed_radii, has_near_face=has_near_face)
 
 
 def groove_and_face_compliance(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+    scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts of screw or nut.
 
-    Only contacts on the flanks of the same turn of the groove, or also of the next turn, are coupled (`NearFace.turns`).
-    Arguments are those of `smooth_body_compliance_beyond_beam`.
+    Only contacts on the flanks of the same turn of the groove, or also of the next turn, are coupled
+    (`GrooveAndFaceCompliance.turns`). Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     geometry = reduce_to_compliance_geometry(scene)
     flank, held, found = (
         half_groove_of_body(geometry, screw),
         fixed_surface(geometry, screw),
-        near_face_compliance_of_body(geometry, screw, backend),
+        groove_and_face_compliance_of_body(geometry, screw, backend),
     )
     z = contact_points_and_axes(scene, layout, screw, flanks)[0][:, 2]
     azimuth, side = np.tile(layout.azimuth, len(flanks)), np.repeat(flanks, layout.z.size)
-    middle = z - found.beside * np.where(side == 0, -1.0, 1.0)
+    middle = z - found.contact_to_mid_groove * np.where(side == 0, -1.0, 1.0)
     ahead = middle[:, None] - middle
-    i, j = np.nonzero((ahead >= 0.0) & (ahead < (2 * found.turns - 1) * flank.half))
-    turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half)).astype(int)
+    i, j = np.nonzero((ahead >= 0.0) & (ahead < (2 * found.coupled_turns - 1) * flank.half_length))
+    turn = np.rint((middle[i] - middle[j]) / (2.0 * flank.half_length)).astype(int)
     angle, between = azimuth[i] - azimuth[j], 0.5 * (middle[i] + middle[j])
     gain = np.zeros((i.size, 2, 2))
     gain[:, 0, 0] = np.where(
-        i == j, 0.0, found.compliance_between(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]]
+        i == j, 0.0, found.compliance_far_from_faces(angle)[np.arange(i.size), 1 - side[i], 2 * turn + 1 - side[j]]
     )
     for high, face in enumerate(smooth_body(geometry, screw, backend).ends):
-        distance = np.abs(face - between) - turn * flank.half
+        distance = np.abs(face - between) - turn * flank.half_length
         near = np.flatnonzero(distance < REACH * scene.balls.radius)
         if not near.size:
             continue
         away = (side != high).astype(int)
         fixed = held in ("both", "high" if high else "low")
         front, back = (i[near], j[near]) if high else (j[near], i[near])
-        added = found.face_compliance(fixed, angle[near], distance[near])
+        added = found.compliance_by_face(fixed, angle[near], distance[near])
         block = added[np.arange(near.size), away[front], :, 2 * turn[near] + away[back]]
         gain[near] += block if high else block.swapaxes(1, 2) * np.array([[1.0, -1.0], [-1.0, 1.0]])  # mirror image
-    signs = flank.map.signs[[s if screw else s + 2 for s in BOTH]][side]
-    normal = signs * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
+    signs = flank.groove_map.signs[[s if screw else s + 2 for s in BOTH]][side]
+    normal = signs * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
     axes = np.stack([normal, perpendicular_directions(normal)], axis=1)
     G = np.zeros((side.size, 2, side.size, 2))
     G[i, :, j] = axes[i].swapaxes(1, 2) @ gain @ axes[j]
@@ -288,7 +290,7 @@ def groove_and_face_compliance(
 
 
 def compute_compliance_between_contacts(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+    scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw less its beam; no cache.
 
@@ -296,8 +298,8 @@ def compute_compliance_between_contacts(
     Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     held = fixed_surface(scene, screw)
-    if is_ring(reduce_to_compliance_geometry(scene), screw):
-        G = select_flanks(
+    if is_elastic_bearing_ring(reduce_to_compliance_geometry(scene), screw):
+        G = compliance_block_of_flanks(
             compliance_between_ring_contacts(
                 grooved_ring_compliance(reduce_to_compliance_geometry(scene), screw), layout.azimuth
             ),
@@ -315,7 +317,9 @@ def compute_compliance_between_contacts(
     return G
 
 
-def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[Array, Array, float, float]:
+def screw_motions_by_end_wrench(
+    scene: Scene, layout: BallLayout, backend: ComplianceModel
+) -> tuple[Array, Array, float, float]:
     """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
 
     The mean motions of the end at low z are fixed. The wrench consists of three forces and three moments.
@@ -326,23 +330,25 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     -------
     tuple
         Motions of the contacts ``(4 N, 6)``; motions of the high end ``(6, 6)``; axial positions of the low and the high
-        end [m]. These are the fields of `lowfi.compliance.bodies.EndResponse`.
+        end [m]. These are the fields of `lowfi.compliance.bodies.EndWrenchMotions`.
     """
     geometry = reduce_to_compliance_geometry(scene)
     compliance = compliance_of_smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
     tube = compliance.tube
-    (low, high), taken = tube.ends, project_on_surface(tube, x)
+    (low, high), taken = tube.ends, move_contacts_to_surface(tube, x)
     plain = tube.section
     rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
     stations = np.append(np.repeat(x[:, 2], 2), np.full(6, high))
-    shift, tilt, axial, twist = end_springs(tube)
+    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
     end = np.eye(6)
     end[0, 4], end[1, 3] = high - low, low - high
     by_springs = np.concatenate([contact_motions_by_rigid_motions(taken, axes, low), end])
     beam = cantilever_compliance(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
-    motions = np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), end_compliance(compliance)]) - beam
+    motions = (
+        np.concatenate([contact_motions_by_end_wrench(compliance, x, axes), high_end_compliance_matrix(compliance)]) - beam
+    )
     if backend.flank:
         motions[:-6] += section_strain_motions_by_wrench(
             contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], high
@@ -350,68 +356,71 @@ def motions_by_end(scene: Scene, layout: BallLayout, backend: Backend) -> tuple[
     return motions[:-6], 0.5 * (motions[-6:] + motions[-6:].T), low, high
 
 
-def motions_by_section(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
     """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
-    ``layout``: positions of the N balls; ``at``: axial position of the cross-section [m]. The function is
+    ``layout``: positions of the N balls; ``section_z``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.
     """
     geometry = reduce_to_compliance_geometry(scene)
     tube = smooth_body(geometry, True, backend)
     x, axes = contact_points_and_axes(scene, layout, True)
-    low, taken = tube.ends[0], project_on_surface(tube, x)
+    low, taken = tube.ends[0], move_contacts_to_surface(tube, x)
     rows = np.concatenate([contact_motions_by_rigid_motions(taken, axes), np.eye(6)])
-    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, at))
-    shift, tilt, axial, twist = end_springs(tube)
+    stations = np.append(np.repeat(x[:, 2], 2), np.full(6, section_z))
+    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
     end = np.eye(6)
-    end[0, 4], end[1, 3] = at - low, low - at
+    end[0, 4], end[1, 3] = section_z - low, low - section_z
     beam = cantilever_compliance(rows, stations, low, tube.section, slice(-6, None))[:-6]
     beam += (
         contact_motions_by_rigid_motions(taken, axes, low) / np.array([shift, shift, axial, tilt, tilt, twist])
     ) @ end.T
     motions = (
-        contact_motions_by_end_wrench(cached_section_motions(tube, axial_range_of_contacts(geometry, tube), at), x, axes)
+        contact_motions_by_end_wrench(
+            cached_section_motions(tube, axial_range_of_contacts(geometry, tube), section_z), x, axes
+        )
         - beam
     )
     if backend.flank:
         motions += section_strain_motions_by_wrench(
-            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], at
+            contact_motions_by_section_wrench(scene, layout, True, backend), stations[:-6], section_z
         )
     return motions
 
 
-def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, at: float) -> Array:
+def section_strain_motions_by_wrench(section_strain_motions: Array, stations: Array, section_z: float) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts, due to local strains at their grooves, by a unit wrench on a section.
 
     ``section_strain_motions`` ``(2 c, 6)``: these motions by a unit wrench on the cross-section of the contact;
-    ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``at``: axial position of the loaded
-    cross-section [m]. The wrench passes only through the sections below ``at``, so contacts above it do not move.
+    ``stations``: axial positions of the contacts, one for each axis ``(2 c,)`` [m]; ``section_z``: axial position of the
+    loaded cross-section [m]. The wrench passes only through the sections below ``section_z``, so contacts above it do not
+    move.
     """
-    out, reach = section_strain_motions.copy(), at - stations
+    out, reach = section_strain_motions.copy(), section_z - stations
     out[:, 0] += reach * section_strain_motions[:, 4]
     out[:, 1] -= reach * section_strain_motions[:, 3]
     return np.asarray(out * np.heaviside(reach, 0.5)[:, None])
 
 
-def contact_motions_by_end_wrench(compliance: TubeCompliance, x: Array, axes: Array) -> Array:
+def contact_motions_by_end_wrench(compliance: SmoothBodyCompliance, contact_points: Array, axes: Array) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts on a smooth shaft by a unit wrench on its end at high z.
 
     The wrench consists of three forces and three moments, which do work on the end's mean motions. ``compliance``:
-    compliance of the smooth shaft; ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their
-    motions.
+    compliance of the smooth shaft; ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
+    their motions.
     """
-    points = points_in_space(x, axes)
-    weights = gaussian_weights_on_line(compliance.z, points.z, compliance.tube.width)
-    (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.ends)
+    points = convert_contacts_to_cylindrical(contact_points, axes)
+    weights = gaussian_weights_on_line(compliance.z, points.z, compliance.tube.patch_width)
+    (axial, twist), (shift, tilt) = ((motions @ weights.T).swapaxes(1, 2) for motions in compliance.line_motions_by_end)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
     here, turned = np.hstack([c, s, c]), np.hstack([s, -c, s])  # at azimuth 0, and a quarter turn on
     by_load = (shift * here, shift * turned, axial, -tilt * turned, tilt * here, twist)
     return np.stack([np.einsum("cak,ck->ca", points.axes, u).ravel() for u in by_load], axis=1)
 
 
-def end_compliance(compliance: TubeCompliance) -> Array:
+def high_end_compliance_matrix(compliance: SmoothBodyCompliance) -> Array:
     """Return the compliance ``(6, 6)`` of a shaft's end at high z: six mean motions by unit forces and moments on it."""
-    (axial, twist), (shift, tilt) = compliance.corner
+    (axial, twist), (shift, tilt) = compliance.end_compliance
     out = np.zeros((6, 6))
     out[2, 2], out[2, 5], out[5, 2], out[5, 5] = axial[0], axial[1], twist[0], twist[1]
     for across, about, sign in ((0, 4, 1.0), (1, 3, -1.0)):

@@ -21,7 +21,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Material
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.fourier import Grid
+    from rollbench.lowfi.compliance.fourier import QuadrilateralGrid
 
 
 #: Mean of ln(distance/contact radius) over pairs of points of a circular contact, weighted by Hertz pressure: 11/12 -
@@ -133,52 +133,56 @@ GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
 
 
 @dataclass(frozen=True)
-class Flank:
+class HalfGroove:
     """Half a groove of screw, nut or bearing ring, from mid groove to mid land, with the body below it."""
 
     #: Geometry of the groove.
-    map: GrooveMap
+    groove_map: GrooveMap
     #: Radius of the lands [m].
-    land: float
+    land_radius: float
     #: Radius of the plain surface: bore of the screw or outer radius of the nut [m].
-    far: float
+    plain_radius: float
     #: Whether the body is the screw or inner ring; otherwise it is the nut or outer ring.
-    screw: bool
+    is_screw: bool
     #: Axial distance from mid groove to mid land [m]: half a lead, or half the width of a ring.
-    half: float
+    half_length: float
     #: Material of the body.
     material: Material
 
     @property
-    def side(self) -> int:
+    def flank_number(self) -> int:
         """Number of the computed flank, the right one: 1 of the screw or 3 of the nut; the left one is its mirror image."""
-        return 1 if self.screw else 3
+        return 1 if self.is_screw else 3
 
-    def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
+    def finite_element_grid(self, mesh: tuple[int, int, int] | None = None) -> QuadrilateralGrid:
         """Return the finite-element grid of the body between mid groove and mid land.
 
         ``mesh``: numbers of elements along the flank, along the land, and in depth; None for those of `MESH`.
         """
-        from rollbench.lowfi.compliance.tube import cell_grid  # finite elements: for bodies that are not known yet
+        from rollbench.lowfi.compliance.tube import (
+            half_lead_cell_grid,  # finite elements: for bodies that are not known yet
+        )
 
-        return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
+        return half_lead_cell_grid(
+            self.groove_map, self.land_radius, self.plain_radius, self.is_screw, mesh or MESH, self.half_length
+        )
 
-    def contact(self) -> tuple[float, float]:
+    def contact_position(self) -> tuple[float, float]:
         """Return the position of the nominal contact [m]: distance from the axis, then axial distance from mid groove."""
-        m = self.map
-        x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+        m = self.groove_map
+        x3, z3 = m.ball * m.signs[self.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
         r, zeta, _ = m.section_to_unrolled(np.array(x3), np.array(z3))
         return float(r), float(zeta)
 
 
-def half_space_compliance(width: float, material: Material) -> float:
+def half_space_compliance(patch_width: float, material: Material) -> float:
     """Return the mean motion of a half space under a circular Gaussian patch of unit normal load [m/N].
 
     It is (1 - nu^2)/(2 sqrt(pi) E s) with the standard deviation s of the patch.
 
     Parameters
     ----------
-    width
+    patch_width
         Standard deviation s of the patch [m].
     material
         Material of the half space.
@@ -188,20 +192,20 @@ def half_space_compliance(width: float, material: Material) -> float:
     >>> round(half_space_compliance(0.1e-3, Material(210e9, 0.3)) * 1e9, 4)  # nm/N
     12.2241
     """
-    return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
+    return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * patch_width))
 
 
-def flank_curvatures(flank: Flank) -> tuple[float, float]:
+def flank_curvatures(flank: HalfGroove) -> tuple[float, float]:
     """Return the principal curvatures of a groove flank at the nominal contact [1/m], across the groove and along it.
 
     Convex curvatures are positive.
     """
-    m = flank.map
-    along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
-    return -1.0 / float(m.radius[flank.side]), float(along)
+    m = flank.groove_map
+    along = np.cos(m.beta) / flank.contact_position()[0] * (1.0 if flank.is_screw else -1.0)
+    return -1.0 / float(m.radius[flank.flank_number]), float(along)
 
 
-def contact_size_correction_slope(flank: Flank) -> float:
+def contact_size_correction_slope(flank: HalfGroove) -> float:
     """Return the derivative of `contact_size_correction` with respect to the logarithm of the contact's size [m/N].
 
     It is proportional to the mean curvature of the flank.
@@ -210,7 +214,7 @@ def contact_size_correction_slope(flank: Flank) -> float:
     return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(flank_curvatures(flank)))
 
 
-def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> float:
+def contact_size_correction(flank: HalfGroove, semi_axes: tuple[float, float]) -> float:
     """Return by how much a flank's compliance at a contact of given size exceeds that at a narrow circular patch [m/N].
 
     ``flank``: groove of the body; ``semi_axes``: semi-axes of the contact ellipse, across the groove and along it [m].
@@ -220,5 +224,5 @@ def contact_size_correction(flank: Flank, semi_axes: tuple[float, float]) -> flo
     across, along = flank_curvatures(flank)
     shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
     return float(
-        contact_size_correction_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape
+        contact_size_correction_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.groove_map.ball)) + GAUSSIAN) + shape
     )

@@ -37,15 +37,15 @@ from rollbench.lowfi.compliance.beyond_hertz import (
 from rollbench.lowfi.compliance.parts import (
     BOTH,
     REFINED,
-    Backend,
+    ComplianceModel,
+    compliance_block_of_flanks,
     compliance_geometry_with_balls,
     fixed_surface,
     grooved_body_section,
     grooved_section,
     half_groove_of_body,
-    is_ring,
+    is_elastic_bearing_ring,
     reduce_to_compliance_geometry,
-    select_flanks,
 )
 from rollbench.lowfi.compliance.tube import clamped_beam_compliance, contact_motions_by_rigid_motions
 from rollbench.meshes.arrays import Array
@@ -58,7 +58,7 @@ from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
 @dataclass(frozen=True)
-class Coupling:
+class StoredMotionMatrix:
     """Matrix of contact motions of a body by loads, as stored in the cache; it is shared, so it must not be modified."""
 
     #: Motions of all contacts along two axes each, by loads on the contacts ``(4 N, 4 N)`` [m/N], or by a unit wrench on a
@@ -73,11 +73,11 @@ class BodyCompliance:
     #: Compliance between the contacts, all left ones, then all right ones, two axes each ``(2 c, 2 c)`` [m/N].
     G: Array
     #: Linear compliance of the flank at each contact under the load on it, in addition to Hertz's law [m/N].
-    e: float
+    contact_compliance: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
-    slope: float
+    contact_compliance_slope: float
     #: Sentences on dimensions of the body that the scene does not state and that were assumed.
-    assumed: tuple[str, ...]
+    assumed_dimensions: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -85,20 +85,20 @@ class BallCompliance:
     """Compliance of a ball as an elastic sphere at its four contacts, in addition to Hertz contact."""
 
     #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
-    e: float
+    contact_compliance: float
     #: Derivative of e with respect to the logarithm of the contact's size [m/N].
-    slope: float
+    contact_compliance_slope: float
     #: Square root of the compliance that couples both pairs of opposite contacts, SL-NR and SR-NL [(m/N)^(1/2)].
-    g: float
+    pair_coupling_root: float
     #: Sign of the compliance that couples both pairs of opposite contacts.
-    sign: float
+    pair_coupling_sign: float
 
 
 def body_compliance(
     scene: Scene,
     layout: BallLayout,
     screw: bool,
-    backend: Backend,
+    backend: ComplianceModel,
     semi_axes: tuple[float, float],
     flanks: Sequence[int] = BOTH,
     compute_between_contacts: WholeBody | None = None,
@@ -137,7 +137,7 @@ def body_compliance(
         from rollbench.lowfi.compliance.between import nut_beam_compliance
 
         return BodyCompliance(nut_beam_compliance(scene, layout, flanks), 0.0, 0.0, ())
-    refuse_flat_contact_angle(geometry, screw, backend)
+    refuse_small_contact_angle(geometry, screw, backend)
     e = _cached_flank_compliance(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
@@ -150,7 +150,7 @@ def body_compliance(
     )
 
 
-def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> None:
+def refuse_small_contact_angle(scene: Scene, screw: bool, backend: ComplianceModel) -> None:
     """Raise ValueError if the nominal contact angle is so small that the load patch crosses the groove's apex.
 
     The correction for the flank would then grow in inverse proportion to the angle. A bearing ring whose groove is one
@@ -159,7 +159,7 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
     """
     angle = scene.track.contact_angle
     radius = (scene.screw if screw else scene.nut).groove_radius
-    one_patch = has_single_arc_grooves(scene) and is_ring(scene, screw)
+    one_patch = has_single_arc_grooves(scene) and is_elastic_bearing_ring(scene, screw)
     if not one_patch and backend.flank and radius * np.sin(angle) < NEAR * scene.balls.radius:
         least = np.degrees(np.arcsin(NEAR * scene.balls.radius / radius))
         raise ValueError(
@@ -170,7 +170,7 @@ def refuse_flat_contact_angle(scene: Scene, screw: bool, backend: Backend) -> No
 
 
 def compliance_between_contacts(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH
+    scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
     """Return the compliance between all contacts of the nut, or of the screw in addition to its beam.
 
@@ -189,31 +189,31 @@ def compliance_between_contacts(
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return select_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
+        return compliance_block_of_flanks(_cached_compliance_between_contacts(geometry, screw, backend).G, flanks)
     from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
 
     return compute_compliance_between_contacts(geometry, layout, screw, backend, flanks)
 
 
 #: Type of a function that computes the compliance of a whole body, as `compliance_between_contacts`.
-WholeBody = Callable[[Scene, BallLayout, bool, Backend, Sequence[int]], Array]
+WholeBody = Callable[[Scene, BallLayout, bool, ComplianceModel, Sequence[int]], Array]
 
 
 @lru_cache(maxsize=8)
-@cached_on_disk(Coupling)
-def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: Backend) -> Coupling:
+@cached_on_disk(StoredMotionMatrix)
+def _cached_compliance_between_contacts(scene: Scene, screw: bool, backend: ComplianceModel) -> StoredMotionMatrix:
     """Return the compliance between all contacts of screw or nut on both flanks, cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
     """
     from rollbench.lowfi.compliance.between import compute_compliance_between_contacts
 
-    return Coupling(compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
+    return StoredMotionMatrix(compute_compliance_between_contacts(scene, ball_layout(scene), screw, backend))
 
 
 @lru_cache(maxsize=64)
 @cached_on_disk(float)
-def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> float:
+def _cached_flank_compliance(geometry: Scene, screw: bool, backend: ComplianceModel) -> float:
     """Return the result of `lowfi.compliance.between.flank_self_compliance` [m/N], cached in memory and on disk.
 
     ``screw``: whether the body is the screw (True) or the nut; ``backend``: model of the bodies.
@@ -223,7 +223,7 @@ def _cached_flank_compliance(geometry: Scene, screw: bool, backend: Backend) -> 
     return flank_self_compliance(geometry, screw, backend)
 
 
-def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
+def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: ComplianceModel) -> BallCompliance:
     """Return the compliance of a ball at its contacts, in addition to Hertz contact.
 
     Opposite contacts carry the same force, so the motion of one by the load on the other is added to its self-compliance.
@@ -244,19 +244,19 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 
 @dataclass(frozen=True)
-class EndResponse:
+class EndWrenchMotions:
     """Motions of a screw by a unit wrench (3 forces, 3 moments) on its end at high z, in addition to those of its beam."""
 
     #: Motions of the contacts of both flanks, all left ones, then all right ones, two axes each ``(4 N, 6)``.
-    contacts: Array
+    contact_motions: Array
     #: Mean motions of the end at high z ``(6, 6)``.
-    end: Array
+    end_motions: Array
     #: Axial positions of the ends at low and at high z [m].
-    low: float
-    high: float
+    low_end: float
+    high_end: float
 
 
-def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse | None:
+def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel) -> EndWrenchMotions | None:
     """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
@@ -268,53 +268,53 @@ def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: Back
     parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
         return _cached_response_to_end_wrench(parts, backend)
-    from rollbench.lowfi.compliance.between import motions_by_end
+    from rollbench.lowfi.compliance.between import screw_motions_by_end_wrench
 
-    return EndResponse(*motions_by_end(parts, layout, backend))
+    return EndWrenchMotions(*screw_motions_by_end_wrench(parts, layout, backend))
 
 
 @lru_cache(maxsize=8)
-@cached_on_disk(EndResponse)
-def _cached_response_to_end_wrench(scene: Scene, backend: Backend) -> EndResponse:
+@cached_on_disk(EndWrenchMotions)
+def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> EndWrenchMotions:
     """Return the result of `screw_response_to_end_wrench` for the balls of a scene, cached in memory and on disk."""
-    from rollbench.lowfi.compliance.between import motions_by_end
+    from rollbench.lowfi.compliance.between import screw_motions_by_end_wrench
 
-    return EndResponse(*motions_by_end(scene, ball_layout(scene), backend))
+    return EndWrenchMotions(*screw_motions_by_end_wrench(scene, ball_layout(scene), backend))
 
 
-def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: Backend, at: float) -> Array:
+def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
     """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
-    The order is that of `EndResponse.contacts`. ``layout``: positions of the N balls; ``at``: axial position of the section
-    [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached as in
-    `screw_response_to_end_wrench`.
+    The order is that of `EndWrenchMotions.contacts`. ``layout``: positions of the N balls; ``section_z``: axial position of
+    the section [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached
+    as in `screw_response_to_end_wrench`.
     """
     parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):
-        return _cached_response_to_section_wrench(parts, backend, at).G
-    from rollbench.lowfi.compliance.between import motions_by_section
+        return _cached_response_to_section_wrench(parts, backend, section_z).G
+    from rollbench.lowfi.compliance.between import screw_motions_by_section_wrench
 
-    return motions_by_section(parts, layout, backend, at)
+    return screw_motions_by_section_wrench(parts, layout, backend, section_z)
 
 
 @lru_cache(maxsize=8)
-@cached_on_disk(Coupling)
-def _cached_response_to_section_wrench(scene: Scene, backend: Backend, at: float) -> Coupling:
+@cached_on_disk(StoredMotionMatrix)
+def _cached_response_to_section_wrench(scene: Scene, backend: ComplianceModel, section_z: float) -> StoredMotionMatrix:
     """Return the result of `screw_response_to_section_wrench` for the balls of a scene, cached in memory and on disk."""
-    from rollbench.lowfi.compliance.between import motions_by_section
+    from rollbench.lowfi.compliance.between import screw_motions_by_section_wrench
 
-    return Coupling(motions_by_section(scene, ball_layout(scene), backend, at))
+    return StoredMotionMatrix(screw_motions_by_section_wrench(scene, ball_layout(scene), backend, section_z))
 
 
 def clear_compliance_cache() -> None:
     """Delete all compliances that are cached in memory, so that the next solution, which is timed, computes them again."""
     from rollbench.lowfi.compliance.between import (
-        cached_near_face,
+        cached_groove_and_face_compliance,
         cached_section_motions,
         cached_tube_compliance,
         compliance_of_smooth_body,
+        groove_and_face_compliance_of_body,
         grooved_ring_compliance,
-        near_face_compliance_of_body,
     )
 
     for memory in (
@@ -327,10 +327,10 @@ def clear_compliance_cache() -> None:
         compliance_of_smooth_body,
         cached_tube_compliance,
         cached_section_motions,
-        cached_near_face,
+        cached_groove_and_face_compliance,
         grooved_ring_compliance,
         _cached_flank_compliance,
-        near_face_compliance_of_body,
+        groove_and_face_compliance_of_body,
         _cached_compliance_between_contacts,
         _cached_response_to_end_wrench,
         _cached_response_to_section_wrench,
@@ -343,17 +343,17 @@ PARTS = ("screw", "nut")
 
 
 @dataclass(frozen=True)
-class Condensed:
+class CondensedCompliance:
     """Compliance of screw, nut and balls from the file of a condensed 3D model of one geometry."""
 
     #: Contents of the file.
-    bodies: CondensedBodies
+    file_contents: CondensedBodies
     #: Names of the bodies (screw, nut) whose compliance, with that of the contacts in their grooves, is taken from the
     #: file.
     parts: tuple[str, ...] = PARTS
 
     @staticmethod
-    def read(path: Path, scene: Scene) -> Condensed:
+    def read_checked(path: Path, scene: Scene) -> CondensedCompliance:
         """Read the file of a condensed 3D model and check that it has the geometry of a scene.
 
         Raises
@@ -369,19 +369,19 @@ class Condensed:
                 "the file of condensed bodies was made for other parts: track, screw, nut, balls or [solid] differ from "
                 "the scene"
             )
-        return Condensed(bodies)
+        return CondensedCompliance(bodies)
 
     @property
-    def whole(self) -> bool:
+    def covers_screw_and_nut(self) -> bool:
         """Whether the compliance of both screw and nut is taken from the file."""
         return self.parts == PARTS
 
     def flanks_covered_by_file(self, sides: list[int]) -> list[int]:
         """Return those of the flanks ``sides`` (0, 1: screw; 2, 3: nut) whose contact compliance is read from the file."""
-        return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
+        return [s for s in sides if s in self.file_contents.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def replace_normal_compliance(
-        self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend
+        self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: ComplianceModel
     ) -> Array:
         """Return the low-order compliance of screw or nut, with that along the contact normals replaced by the file's.
 
@@ -402,10 +402,14 @@ class Condensed:
         if screw and fixed_surface(geometry, True) == "section":
             section = grooved_section(geometry, True)
             held = held + clamped_beam_compliance(
-                contact_motions_by_rigid_motions(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section
+                contact_motions_by_rigid_motions(x, axes),
+                np.repeat(x[:, 2], 2),
+                (self.file_contents.base, 0.0),
+                "low",
+                section,
             )
-        known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
-        file_G = self.bodies.screw if screw else self.bodies.nut
+        known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.file_contents.sides]
+        file_G = self.file_contents.screw if screw else self.file_contents.nut
         if file_G.shape != (N * len(known),) * 2:
             raise ValueError(
                 "the file of condensed bodies does not have the scene's number of contacts: export it again for this scene"
@@ -422,17 +426,17 @@ class Condensed:
         spread = along + follow @ across
         return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
 
-    def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
+    def ball_compliance_of_file(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
         """Return the compliance of a ball at its four contacts, taken from the file of the condensed 3D model.
 
         ``semi_axes``: semi-axes of a typical contact ellipse [m], from which the coupling follows if the file contains only
         one of both pairs of opposite contacts.
         """
-        D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
+        D, sides = self.file_contents.ball, [int(s) for s in self.file_contents.sides]
         closed = ball_compliance(scene, semi_axes, REFINED)
         pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
         alone = float(np.mean([0.5 * (D[a, a] + D[b, b]) + D[a, b] for a, b in pairs]))
-        across = closed.sign * closed.g**2
+        across = closed.pair_coupling_sign * closed.pair_coupling_root**2
         if len(pairs) == 2:
             (a, b), (c, d) = pairs
             across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
@@ -440,8 +444,8 @@ class Condensed:
 
     def describe_source(self) -> str:
         """Return a phrase for reports: bodies, mesh level and flanks whose compliance is taken from the file."""
-        names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
-        level = self.bodies.level
+        names = ", ".join(SIDES[int(s)] for s in self.file_contents.sides)
+        level = self.file_contents.level
         bodies = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
         return f"{bodies} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
 
@@ -463,13 +467,13 @@ def nominal_normals_matrix(scene: Scene, N: int, sides: list[int]) -> Array:
     return out
 
 
-def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
+def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], normal_flanks: list[int]) -> tuple[Array, Array]:
     """Return two matrices that split contact motions: along the nominal normals of some flanks, and all other directions.
 
-    ``N``: number of balls; ``sides``: f flanks with contacts; ``known``: k of these flanks, whose motions along the normals
-    are to be separated. Columns are two axes for each ball and each of its flanks ``sides``. The first matrix has a unit
-    row along the normal for each ball and each flank of ``known``, ``(N k, 2 N f)``; the rows of the second complete it to
-    an orthonormal basis.
+    ``N``: number of balls; ``sides``: f flanks with contacts; ``normal_flanks``: k of these flanks, whose motions along the
+    normals are to be separated. Columns are two axes for each ball and each of its flanks ``sides``. The first matrix has a
+    unit row along the normal for each ball and each flank of ``normal_flanks``, ``(N k, 2 N f)``; the rows of the second
+    complete it to an orthonormal basis.
     """
     beta = scene.track.contact_angle
     along: list[Array] = []
@@ -478,7 +482,10 @@ def normal_and_tangent_matrices(scene: Scene, N: int, sides: list[int], known: l
         for k, s in enumerate(sides):
             first = 2 * (i * len(sides) + k)
             normal = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
-            for direction, rows in ((normal, along if s in known else across), (np.array([-normal[1], normal[0]]), across)):
+            for direction, rows in (
+                (normal, along if s in normal_flanks else across),
+                (np.array([-normal[1], normal[0]]), across),
+            ):
                 row = np.zeros(2 * N * len(sides))
                 row[first : first + 2] = direction
                 rows.append(row)
@@ -494,7 +501,7 @@ WHOLE = 1000
 FEW, INVERSES, SHIFT = 16, 20, 3e-5
 
 
-def negative_part(G: Array) -> tuple[Array, float]:
+def negative_eigenvalue_part(G: Array) -> tuple[Array, float]:
     """Return the part of a symmetric matrix ``(n, n)`` that its negative eigenvalues make up, then the smallest eigenvalue.
 
     ``G``: the matrix. Without this part it is positive semidefinite.

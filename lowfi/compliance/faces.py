@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank, half_space_compliance
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove, half_space_compliance
 from rollbench.lowfi.compliance.fourier import (
-    Body,
-    Grid,
-    Layer,
+    BodyOfRevolution,
+    GrooveLayer,
+    QuadrilateralGrid,
     add_mid_nodes,
     circumference_integral_factor,
     diagonal_block_of_bands,
@@ -28,17 +28,17 @@ from rollbench.lowfi.compliance.groove import (
     gaussian_patch_harmonic_factors,
     gaussian_patch_weights,
     interpolate_harmonics,
+    motion_unresolved_by_grid,
     sampled_harmonics,
-    unresolved_motion,
 )
 from rollbench.lowfi.compliance.tube import (
-    Points,
-    Tube,
+    ContactPoints,
+    SmoothBody,
     clamped_beam_compliance,
     contact_motions_by_rigid_motions,
+    convert_contacts_to_cylindrical,
     flank_profile_points,
     gaussian_weights_on_line,
-    points_in_space,
     radial_element_ends,
 )
 from rollbench.meshes.arrays import Array
@@ -65,7 +65,7 @@ TAIL = 2.6
 SAME = 1e-3
 
 
-class Patch(NamedTuple):
+class PatchResolution(NamedTuple):
     """Size of the Gaussian load patch on a groove flank, with the fineness of mesh and harmonics that resolves it."""
 
     #: Standard deviation of the patch over the ball's radius.
@@ -78,42 +78,42 @@ class Patch(NamedTuple):
 
 #: Load patch for contacts far from an end face, where smaller contacts differ only by the flank's curvature; and load patch
 #: for distances from a face down to a contact's size, with the mean square of the contact's long axis.
-FAR, BESIDE_FACE = Patch(NARROW, (4, 4), 4.0), Patch(0.07, (8, 6), 12.0)
+FAR, BESIDE_FACE = PatchResolution(NARROW, (4, 4), 4.0), PatchResolution(0.07, (8, 6), 12.0)
 
 
 @dataclass(frozen=True)
-class NearFace:
+class GrooveAndFaceCompliance:
     """Compliance that ring grooves and an end face add between contacts on the flanks of one groove.
 
     Arrays are for k distances of the end face, n harmonics around the axis, and f loaded flanks.
     """
 
     #: Distances of the end face from mid groove ``(k,)`` [m].
-    distance: Array
+    face_distances: Array
     #: Compliance added by a face ``(2, n, 2, 2, f, 2, k)`` [m/N]. Axes: face free or fixed; harmonic around the axis; flank
     #: that moves, the one pressed towards the face or the other one; its motion along the nominal load or across it; loaded
     #: flank, of this groove (f = 2) or also of the groove behind it (f = 4); direction of the load, along the nominal
     #: load or across it; distance of the face. The compliance is zero beyond the last distance and constant below the
     #: first. The effect of a fixed face on motions across the loads, a tenth of the effect of a free face, is
     #: neglected.
-    gain: Array
+    face_gain: Array
     #: Axial distance of the contacts from mid groove [m].
-    beside: float
+    contact_to_mid_groove: float
     #: Compliance added between contacts far from any face ``(n, 2, f)`` [m/N].
-    far: Array
+    far_gain: Array
     #: Motion of a contact far from any face by a unit load on itself, less the motions by Hertz's law and by the smooth
     #: body, for a narrow load patch; `contact_size_correction` adds the influence of the contact's size [m/N].
-    alone: float
+    self_compliance: float
     #: Motions of the contacts by tension and bending moment on their cross-section, as from
     #: `contact_motions_by_tension_and_moment` ``(2, 2)``; zero for a body without a beam.
-    strains: Array
+    section_strain_motions: Array
 
     @property
-    def turns(self) -> int:
+    def coupled_turns(self) -> int:
         """Number of neighbouring groove turns whose contacts are coupled: one or two."""
-        return int(self.far.shape[2]) // 2
+        return int(self.far_gain.shape[2]) // 2
 
-    def face_compliance(self, held: bool, angle: Array, distance: Array) -> Array:
+    def compliance_by_face(self, held: bool, angle: Array, distance: Array) -> Array:
         """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that an end face adds between m pairs of contacts.
 
         The axes after the first are flank that moves, its direction, loaded flank and direction of the load, as in the
@@ -128,21 +128,21 @@ class NearFace:
         distance
             Distances of the face from the groove of the contact nearer to it ``(m,)`` [m].
         """
-        known = np.log(self.distance - self.beside)
-        place = np.log(np.clip(distance, self.distance[0], self.distance[-1]) - self.beside)
+        known = np.log(self.face_distances - self.contact_to_mid_groove)
+        place = np.log(np.clip(distance, self.face_distances[0], self.face_distances[-1]) - self.contact_to_mid_groove)
         share = cubic_spline(known, np.eye(known.size))(place)
-        return np.asarray(np.einsum("m...k,mk->m...", sum_of_harmonics(self.gain[int(held)], angle), share))
+        return np.asarray(np.einsum("m...k,mk->m...", cosine_series_values(self.face_gain[int(held)], angle), share))
 
-    def compliance_between(self, angle: Array) -> Array:
+    def compliance_far_from_faces(self, angle: Array) -> Array:
         """Return the compliance ``(m, 2, f)`` [m/N] between contacts far from any face, less that of the smooth body.
 
         ``angle`` ``(m,)``: angles around the axis between the contacts of m pairs [rad]. The last two axes are for the
         flank that moves and the loaded flank.
         """
-        return sum_of_harmonics(self.far, angle)
+        return cosine_series_values(self.far_gain, angle)
 
 
-def sum_of_harmonics(waves: Array, angle: Array) -> Array:
+def cosine_series_values(waves: Array, angle: Array) -> Array:
     """Return the values ``(m, ...)`` of a Fourier cosine series at m angles.
 
     ``waves`` ``(n, ...)``: coefficients of the harmonics; ``angle`` ``(m,)``: angles [rad].
@@ -154,9 +154,14 @@ def sum_of_harmonics(waves: Array, angle: Array) -> Array:
     return np.asarray(cubic_spline(known, sums[np.arange(-2, 4 * len(waves) + 3)])(turned))
 
 
-def near_face_compliance(
-    flank: Flank, smooth: Tube, section: BeamSection, held_radii: tuple[float, float], *, near: bool = True
-) -> NearFace:
+def compute_groove_and_face_compliance(
+    flank: HalfGroove,
+    smooth: SmoothBody,
+    section: BeamSection,
+    held_radii: tuple[float, float],
+    *,
+    has_near_face: bool = True,
+) -> GrooveAndFaceCompliance:
     """Return the compliance that grooves and an end face add to the smooth body that represents screw or nut.
 
     Parameters
@@ -169,26 +174,28 @@ def near_face_compliance(
         Section of the body's beam, whose motions are computed elsewhere and therefore subtracted.
     held_radii
         Range of radii in which an end face is fixed, if it is fixed [m].
-    near
+    has_near_face
         Whether an end face lies within `REACH` ball radii of a contact, so that its effect is computed.
 
     Raises
     ------
     ValueError
-        ``near`` is True, and the groove ends at the land before it reaches the nominal contact.
+        ``has_near_face`` is True, and the groove ends at the land before it reaches the nominal contact.
     """
-    if near:
-        _check_land(flank)
-    a_beam = smooth.held not in ("bore", "outer") and flank.map.rg != 0.0
+    if has_near_face:
+        _check_groove_reaches_contact(flank)
+    a_beam = smooth.held not in ("bore", "outer") and flank.groove_map.rg != 0.0
     strains = contact_motions_by_tension_and_moment(flank, smooth) if a_beam else np.zeros((2, 2))
 
-    def gains(finer: Patch, last: slice, kinds: int, radii: tuple[float, float]) -> tuple[Array, Grid, Array]:
+    def gains(
+        finer: PatchResolution, last: slice, kinds: int, radii: tuple[float, float]
+    ) -> tuple[Array, QuadrilateralGrid, Array]:
         """Return the compliance that grooves and end faces add, the grid of the grooved body, and the faces' distances [m].
 
         ``finer``: load patch and mesh; ``last``: selection of the end faces at the distances `CUTS`; ``kinds``: 1 for
         motions along the loads, 2 also across them; ``radii``: range of radii in which a face is fixed [m].
         """
-        grid, cuts = grooved_grid(flank, finer.mesh)
+        grid, cuts = grooved_body_grid(flank, finer.mesh)
         cuts, z = cuts[last], grid.z[:, 0]
         gain = motions_beyond_smooth_body(flank, smooth, grid, cuts, radii, finer, kinds)
         if smooth.held not in ("bore", "outer"):
@@ -199,28 +206,30 @@ def near_face_compliance(
         return gain, grid, z[cuts]
 
     gain, grid, distance = gains(FAR, slice(-1, None), 1, WHOLE)
-    far = average_mirror_images(gain[1, :, :, 0, :, 0, -1])
-    alone = float(far[:, 0, 0].sum()) + unresolved_motion(flank, half_lead_grid(flank, grid), len(far) - 1)
-    alone -= half_space_compliance(NARROW * flank.map.ball, flank.material)
-    if near:
+    far = average_with_mirror_image(gain[1, :, :, 0, :, 0, -1])
+    alone = float(far[:, 0, 0].sum()) + motion_unresolved_by_grid(flank, half_lead_part_of_grid(flank, grid), len(far) - 1)
+    alone -= half_space_compliance(NARROW * flank.groove_map.ball, flank.material)
+    if has_near_face:
         gain, _, distance = gains(BESIDE_FACE, slice(None), 2, held_radii)
         gain[1, :, :, 1], gain[1, ..., 1, :] = 0.0, 0.0
-    return NearFace(distance, gain - gain[..., -1:], flank.contact()[1], append_high_harmonics(flank, far), alone, strains)
+    return GrooveAndFaceCompliance(
+        distance, gain - gain[..., -1:], flank.contact_position()[1], append_high_harmonics(flank, far), alone, strains
+    )
 
 
-def _check_land(flank: Flank) -> None:
+def _check_groove_reaches_contact(flank: HalfGroove) -> None:
     """Raise UnfitKey if the groove ends at the land before it reaches the nominal contact."""
-    edge = flank_profile_points(flank.map, flank.land, flank.screw, 2)[1][-1]
-    if flank.contact()[1] < edge:
+    edge = flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2)[1][-1]
+    if flank.contact_position()[1] < edge:
         return
-    body, key = ("screw", "screw.outer_diameter") if flank.screw else ("nut", "solid.nut_inner_diameter")
-    angle, verb = np.degrees(flank.map.beta), "raise" if flank.screw else "lower"
+    body, key = ("screw", "screw.outer_diameter") if flank.is_screw else ("nut", "solid.nut_inner_diameter")
+    angle, verb = np.degrees(flank.groove_map.beta), "raise" if flank.is_screw else "lower"
     raise UnfitKey(
         key, f"the {body}'s groove ends at the land before the contact at {angle:.4g} deg, near an end face: {verb} {key}"
     )
 
 
-def average_mirror_images(waves: Array) -> Array:
+def average_with_mirror_image(waves: Array) -> Array:
     """Average the motions of groove flanks far from any end face with those of the mirror image of the body.
 
     ``waves`` ``(n, 2, f)``: motions of 2 flanks by loads on f flanks in n harmonics [m/N]. By symmetry, flank a moves by a
@@ -232,7 +241,7 @@ def average_mirror_images(waves: Array) -> Array:
     return np.asarray(0.5 * (pairs + pairs[:, ::-1, :, ::-1].swapaxes(1, 3))).reshape(waves.shape)
 
 
-def append_high_harmonics(flank: Flank, waves: Array) -> Array:
+def append_high_harmonics(flank: HalfGroove, waves: Array) -> Array:
     """Append higher Fourier harmonics, estimated from a half space, to the computed motions of narrow load patches.
 
     ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
@@ -241,20 +250,20 @@ def append_high_harmonics(flank: Flank, waves: Array) -> Array:
     """
     from scipy.special import k0e
 
-    radius, width, last = flank.contact()[0], NARROW * flank.map.ball, len(waves) - 1
+    radius, width, last = flank.contact_position()[0], NARROW * flank.groove_map.ball, len(waves) - 1
     n = np.arange(float(last), int(TAIL * radius / width))
     plane = k0e(0.5 * (n * width / radius) ** 2) * gaussian_patch_harmonic_factors(n, width, radius)
     return np.concatenate([waves[:-1], waves[-1] * (plane / plane[0]).reshape(-1, *[1] * (waves.ndim - 1))])
 
 
-def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: Array) -> Array:
+def contact_motions_by_own_section_wrench(points: ContactPoints, flank_signs: Array, strains: Array) -> Array:
     """Return the local motions ``(k c, 6)`` of c contacts, k axes each, by a unit wrench on each one's own cross-section.
 
     The wrench consists of three forces and three moments; only tension and bending moments have an effect. ``points``: the
-    contacts; ``side`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
+    contacts; ``flank_signs`` ``(c,)``: -1 for a flank at negative z of its groove, 1 at positive z; ``strains``: see
     `contact_motions_by_tension_and_moment`.
     """
-    along_r, along_z = points.axes[..., 0], points.axes[..., 2] * side[:, None]
+    along_r, along_z = points.axes[..., 0], points.axes[..., 2] * flank_signs[:, None]
     stretch, bend = (along_r * x + along_z * y for x, y in strains)
     c, s = np.cos(points.azimuth)[:, None], np.sin(points.azimuth)[:, None]
     none = np.zeros_like(stretch)
@@ -262,7 +271,7 @@ def contact_motions_by_own_section_wrench(points: Points, side: Array, strains: 
 
 
 def motions_beyond_smooth_beam(
-    flank: Flank, smooth: Tube, section: BeamSection, strains: Array, ends: tuple[float, float]
+    flank: HalfGroove, smooth: SmoothBody, section: BeamSection, strains: Array, ends: tuple[float, float]
 ) -> Array:
     """Return the motions ``(2, 2, f)`` [m/N] of both flanks by the grooved body's beam, less those by the smooth beam.
 
@@ -276,71 +285,89 @@ def motions_beyond_smooth_beam(
     out = np.zeros((2 * half, 2 * half))
     side = np.tile([1.0, -1.0], half)
     for sign, beam in ((1.0, section), (-1.0, plain)):
-        radius = smooth.radius if sign > 0.0 else float(np.clip(smooth.radius, smooth.bore, smooth.outer))
+        radius = (
+            smooth.contact_radius
+            if sign > 0.0
+            else float(np.clip(smooth.contact_radius, smooth.bore_radius, smooth.outer_radius))
+        )
         turned = radius * np.repeat([1.0, -1.0], half)  # here, and on the other side of the axis
         x = np.stack([turned, np.zeros(2 * half), places], axis=1)
         axes = np.stack([along[:, 0] * np.sign(turned), np.zeros(2 * half), along[:, 1]], axis=1)[:, None]
-        feel = contact_motions_by_own_section_wrench(points_in_space(x, axes), side, strains) if sign > 0.0 else None
+        feel = (
+            contact_motions_by_own_section_wrench(convert_contacts_to_cylindrical(x, axes), side, strains)
+            if sign > 0.0
+            else None
+        )
         out += sign * clamped_beam_compliance(contact_motions_by_rigid_motions(x, axes), places, ends, "both", beam, feel)
     return np.stack([out[:2, :half] + out[:2, half:], out[:2, :half] - out[:2, half:]]) / 2.0
 
 
 def motions_beyond_smooth_body(
-    flank: Flank, smooth: Tube, grid: Grid, cuts: Sequence[int], held_radii: tuple[float, float], finer: Patch, kinds: int
+    flank: HalfGroove,
+    smooth: SmoothBody,
+    grid: QuadrilateralGrid,
+    face_lines: Sequence[int],
+    held_radii: tuple[float, float],
+    patch: PatchResolution,
+    direction_count: int,
 ) -> Array:
     """Return the motions of load patches on the flanks of the grooved body, less those on the smooth body [m/N].
 
     The load patches of the two bodies differ in width. ``smooth``: smooth body of revolution, with the width of its
-    patches; ``grid``: grid of the grooved body; ``finer``: size of the load patch and fineness of mesh and harmonics for
+    patches; ``grid``: grid of the grooved body; ``patch``: size of the load patch and fineness of mesh and harmonics for
     the true flanks; the other arguments and the axes of the result are those of `patch_motions_for_end_faces`.
     """
-    width = finer.width * flank.map.ball
-    true = flank_patch_loads(flank, grid, cuts, width, kinds)
+    width = patch.width * flank.groove_map.ball
+    true = flank_patch_loads(flank, grid, face_lines, width, direction_count)
     r_ends, line = radial_element_ends(smooth)
     plain = tube_grid(r_ends, grid.z[::2, 0])
-    loads = smooth_patch_loads(flank, plain, line, cuts, smooth.width, kinds)
-    n = sampled_harmonics(finer.highest * flank.contact()[0] / flank.map.ball, STEP)
+    loads = smooth_patch_loads(flank, plain, line, face_lines, smooth.patch_width, direction_count)
+    n = sampled_harmonics(patch.highest * flank.contact_position()[0] / flank.groove_map.ball, STEP)
     return patch_motions_for_end_faces(
-        flank, grid, cuts, n, held_radii, smooth.held, true, width
-    ) - patch_motions_for_end_faces(flank, plain, cuts, n, WHOLE, smooth.held, loads, smooth.width, smooth.layer)
+        flank, grid, face_lines, n, held_radii, smooth.held, true, width
+    ) - patch_motions_for_end_faces(
+        flank, plain, face_lines, n, WHOLE, smooth.held, loads, smooth.patch_width, smooth.groove_layer
+    )
 
 
-def half_lead_grid(flank: Flank, grid: Grid) -> Grid:
+def half_lead_part_of_grid(flank: HalfGroove, grid: QuadrilateralGrid) -> QuadrilateralGrid:
     """Return the part of a grooved body's grid between the middle of the loaded groove and the middle of the land."""
     z = grid.z[:, 0]
-    half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half).argmin()) + 1)
-    return Grid(grid.r[half], grid.z[half])
+    half = slice(int(np.abs(z).argmin()), int(np.abs(z - flank.half_length).argmin()) + 1)
+    return QuadrilateralGrid(grid.r[half], grid.z[half])
 
 
-def grooved_grid(flank: Flank, mesh: tuple[int, int]) -> tuple[Grid, list[int]]:
+def grooved_body_grid(flank: HalfGroove, mesh: tuple[int, int]) -> tuple[QuadrilateralGrid, list[int]]:
     """Return the finite-element grid of a grooved body, then the numbers of its lines in z at which an end face may lie.
 
     The grid reaches from the clamped end to the end face that is furthest from the loaded groove, whose middle is at z = 0.
     ``mesh``: numbers of elements on the loaded flank and in depth.
     """
-    ball, reach = flank.map.ball, REACH * flank.map.ball
+    ball, reach = flank.groove_map.ball, REACH * flank.groove_map.ball
     r, z = groove_surface_nodes(
-        flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half / (LAND * ball))])
+        flank, mesh[0], LAND * ball * np.array([0.25, 0.6, *np.arange(1.2, flank.half_length / (LAND * ball))])
     )
     edge = float(z[z.size // 2 + 2 * mesh[0]])
-    beyond = max(0, int(np.ceil((reach / flank.half - 1.0) / 2.0)))
-    next_r, next_z = groove_surface_nodes(flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half / (LAND * ball)))
-    shift = 2.0 * flank.half * np.arange(1.0, beyond + 1.0)[:, None]
+    beyond = max(0, int(np.ceil((reach / flank.half_length - 1.0) / 2.0)))
+    next_r, next_z = groove_surface_nodes(
+        flank, mesh[0] // 2, LAND * ball * np.arange(1.0, flank.half_length / (LAND * ball))
+    )
+    shift = 2.0 * flank.half_length * np.arange(1.0, beyond + 1.0)[:, None]
     r = np.concatenate([np.tile(next_r[:-1], beyond), r, np.tile(next_r[1:], beyond)])
     z = np.concatenate([(next_z[:-1] - shift[::-1]).ravel(), z, (next_z[1:] + shift).ravel()])
     last = 2 * int(np.abs(z[::2] - reach).argmin())  # both ends as far: the body must be its own mirror image
     r, z = r[z.size - 1 - last : last + 1], z[z.size - 1 - last : last + 1]
     faces = np.arange(0, z.size, 2)[z[::2] > edge - 0.01 * ball]
     cuts = sorted({int(faces[np.abs(z[faces] - x * ball).argmin()]) for x in CUTS})
-    power = np.log(abs(flank.land - flank.far) / (FIRST * ball)) / np.log(mesh[1])
+    power = np.log(abs(flank.land_radius - flank.plain_radius) / (FIRST * ball)) / np.log(mesh[1])
     share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[1] + 1) ** max(power, 1.0))
-    inner, outer = (np.full_like(r, flank.far), r) if flank.screw else (r, np.full_like(r, flank.far))
-    depth = share if flank.screw else (1.0 - share)[::-1]
+    inner, outer = (np.full_like(r, flank.plain_radius), r) if flank.is_screw else (r, np.full_like(r, flank.plain_radius))
+    depth = share if flank.is_screw else (1.0 - share)[::-1]
     radii = inner[:, None] + depth * (outer - inner)[:, None]
-    return Grid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
+    return QuadrilateralGrid(radii, np.broadcast_to(z[:, None], radii.shape).copy()), cuts
 
 
-def groove_surface_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, Array]:
+def groove_surface_nodes(flank: HalfGroove, count: int, ends: Array) -> tuple[Array, Array]:
     """Return the radii r and axial positions z [m] of the nodes on a groove's surface, from mid land to mid land.
 
     Parameters
@@ -352,10 +379,10 @@ def groove_surface_nodes(flank: Flank, count: int, ends: Array) -> tuple[Array, 
     ends
         Distances of the land's element ends from the edge of the groove [m].
     """
-    r, z = flank_profile_points(flank.map, flank.land, flank.screw, 2 * count + 1)
-    land = flank.half - float(z[-1])
-    along = add_mid_nodes(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.map.ball], [land]]))[1:]
-    r, z = np.append(r, np.full(along.size, flank.land)), np.append(z, z[-1] + along)
+    r, z = flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 2 * count + 1)
+    land = flank.half_length - float(z[-1])
+    along = add_mid_nodes(np.concatenate([[0.0], ends[ends < land - 0.15 * flank.groove_map.ball], [land]]))[1:]
+    r, z = np.append(r, np.full(along.size, flank.land_radius)), np.append(z, z[-1] + along)
     return np.append(r[:0:-1], r), np.append(-z[:0:-1], z)
 
 
@@ -367,74 +394,79 @@ def perpendicular_directions(along: Array) -> Array:
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
-def flank_patch_loads(flank: Flank, grid: Grid, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+def flank_patch_loads(
+    flank: HalfGroove, grid: QuadrilateralGrid, face_lines: Sequence[int], width: float, direction_count: int = 1
+) -> Array:
     """Return the nodal forces of unit loads on the flanks of the grooved body, each a Gaussian patch about one contact.
 
-    Loads act along the nominal load and, if ``kinds`` is 2, also across it; the latter is the difference of two slightly
-    shifted patches. Patches end at the end face. ``cuts``: numbers of the grid lines in z at which the end face may be;
-    ``width``: standard deviation of the patches [m].
+    Loads act along the nominal load and, if ``direction_count`` is 2, also across it; the latter is the difference of two
+    slightly shifted patches. Patches end at the end face. ``face_lines``: numbers of the grid lines in z at which the end
+    face may be; ``width``: standard deviation of the patches [m].
 
     Returns
     -------
     Array
         Forces ``(f, kinds, cuts, nodes of the grid, 3)``.
     """
-    line = grid.shape[1] - 1 if flank.screw else 0
+    line = grid.shape[1] - 1 if flank.is_screw else 0
     normals = flank_normals(grid, line)
     places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
-    out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
+    out = np.zeros((len(places), direction_count, len(face_lines), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
         pressing = normals * np.sign(normals @ along)[:, None]
-        for kind, direction in enumerate((along, perpendicular_directions(along))[:kinds]):
+        for kind, direction in enumerate((along, perpendicular_directions(along))[:direction_count]):
             share = gaussian_patch_weights(grid, line, place, width, moment=kind)[0]
-            for k, cut in enumerate(cuts):
+            for k, cut in enumerate(face_lines):
                 force = share[: cut + 1, None] * pressing[: cut + 1]
                 total = share[: cut + 1].sum() if kind == 0 else (force @ direction).sum()
                 out[away, kind, k, : cut + 1, line, ::2] = force / total
     return out
 
 
-def smooth_patch_loads(flank: Flank, grid: Grid, line: int, cuts: Sequence[int], width: float, kinds: int = 1) -> Array:
+def smooth_patch_loads(
+    flank: HalfGroove, grid: QuadrilateralGrid, line: int, face_lines: Sequence[int], width: float, direction_count: int = 1
+) -> Array:
     """Return nodal forces of unit loads on one axial grid line of the smooth body, shaped as those of `flank_patch_loads`.
 
-    ``line``: number of the grid line in r; ``cuts``: numbers of the lines in z at which the end face may be; ``width``:
-    standard deviation of the patches [m]; ``kinds``: 1 for loads along the nominal load, 2 also across it.
+    ``line``: number of the grid line in r; ``face_lines``: numbers of the lines in z at which the end face may be;
+    ``width``: standard deviation of the patches [m]; ``direction_count``: 1 for loads along the nominal load, 2 also across
+    it.
     """
     places, directions = contact_positions_and_directions(flank, grid.z[0, 0])
-    out = np.zeros((len(places), kinds, len(cuts), *grid.shape, 3))
+    out = np.zeros((len(places), direction_count, len(face_lines), *grid.shape, 3))
     for away, (place, along) in enumerate(zip(places, directions, strict=True)):
-        for k, cut in enumerate(cuts):
+        for k, cut in enumerate(face_lines):
             share = gaussian_weights_on_line(grid.z[: cut + 1, 0], np.array([place]), width)[0]
-            for kind, direction in enumerate((along, perpendicular_directions(along))[:kinds]):
+            for kind, direction in enumerate((along, perpendicular_directions(along))[:direction_count]):
                 out[away, kind, k, : cut + 1, line, ::2] = share[:, None] * direction
     return out
 
 
-def contact_positions_and_directions(flank: Flank, low: float) -> tuple[Array, Array]:
+def contact_positions_and_directions(flank: HalfGroove, low: float) -> tuple[Array, Array]:
     """Return axial positions ``(f,)`` [m] and nominal load directions (r, z) ``(f, 2)`` of the contacts on f flanks.
 
     The flank pressed towards high z comes first, then the other one. Both flanks of the
     groove behind follow if the body, which begins at z = ``low`` [m], contains it.
     """
-    m = flank.map
-    place, along = flank.contact()[1], m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
-    places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half - m.ball else 1
+    m = flank.groove_map
+    place, along = flank.contact_position()[1], m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    places, turns = np.array([place, -place]), 2 if low < -2.0 * flank.half_length - m.ball else 1
     return (
-        np.concatenate([places - 2.0 * flank.half * turn for turn in range(turns)]),
+        np.concatenate([places - 2.0 * flank.half_length * turn for turn in range(turns)]),
         np.concatenate([[along, along * np.array([1.0, -1.0])]] * turns),
     )
 
 
 def patch_motions_for_end_faces(
-    flank: Flank,
-    grid: Grid,
-    cuts: Sequence[int],
-    n: Array,
+    flank: HalfGroove,
+    grid: QuadrilateralGrid,
+    face_lines: Sequence[int],
+    harmonics: Array,
     held_radii: tuple[float, float],
     fixing: str,
     loads: Array,
     width: float,
-    layer: Layer | None = None,
+    layer: GrooveLayer | None = None,
 ) -> Array:
     """Return the motions of load patches in every harmonic, for a body with its end face at each of several grid lines.
 
@@ -442,9 +474,9 @@ def patch_motions_for_end_faces(
     ----------
     flank, grid
         Groove of the body, and its grid.
-    cuts
+    face_lines
         Numbers of the grid lines in z at which the end face may be.
-    n
+    harmonics
         Harmonics that are computed; the others are interpolated.
     held_radii
         Range of radii in which the end face is fixed [m].
@@ -467,26 +499,26 @@ def patch_motions_for_end_faces(
     from scipy.linalg.lapack import dtbtrs
 
     columns = grid.shape[1]
-    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
+    body = BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio, layer)
     held = np.zeros((*grid.shape, 3), dtype=bool)
     held[0] = True
     held[:, 0 if fixing == "bore" else -1 if fixing == "outer" else slice(0, 0)] = True
     beyond = body.stiffness_of_rows()[:, :, 0, :, 0]
     patches, kinds = loads.shape[:2]
     watched = 2 * kinds
-    sampled = np.empty((n.size, 2, watched, patches * kinds, len(cuts)))
-    distinct, of = merge_equal_loads(loads.reshape(-1, *loads.shape[2:]), cuts)
+    sampled = np.empty((harmonics.size, 2, watched, patches * kinds, len(face_lines)))
+    distinct, of = distinct_load_cases(loads.reshape(-1, *loads.shape[2:]), face_lines)
     kept: dict[bytes, Array] = {}
-    for values, harmonic in zip(sampled, n.tolist(), strict=True):
+    for values, harmonic in zip(sampled, harmonics.tolist(), strict=True):
         free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
         if free.tobytes() not in kept:
-            kept[free.tobytes()] = body.bands(free)
+            kept[free.tobytes()] = body.stiffness_bands(free)
         powers = circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic])
         L = cholesky_banded(
             np.tensordot(powers, kept[free.tobytes()], 1), overwrite_ab=True, lower=True, check_finite=False
         )
         Y = dtbtrs(L, distinct[:, free].T, uplo="L")[0]
-        for k, cut in enumerate(cuts):
+        for k, cut in enumerate(face_lines):
             solution = Y[:, of[k]]
             line = np.flatnonzero(free[3 * cut * columns : 3 * (cut + 1) * columns])
             first = int(np.count_nonzero(free[: 3 * cut * columns]))
@@ -498,18 +530,18 @@ def patch_motions_for_end_faces(
             work = solution[:first, :watched].T @ solution[:first]
             for face, moves in enumerate((np.full(line.size, True), (r < held_radii[0]) | (r > held_radii[1]))):
                 values[face, ..., k] = work + g[moves, :watched].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
-    motions = interpolate_harmonics(n, sampled)
-    shares = gaussian_patch_harmonic_factors(np.arange(float(len(motions))), width, flank.contact()[0])
+    motions = interpolate_harmonics(harmonics, sampled)
+    shares = gaussian_patch_harmonic_factors(np.arange(float(len(motions))), width, flank.contact_position()[0])
     motions *= shares[:, None, None, None, None]
-    return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(cuts))
+    return np.moveaxis(motions, 1, 0).reshape(2, len(motions), 2, kinds, patches, kinds, len(face_lines))
 
 
-def merge_equal_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[list[int]]]:
+def distinct_load_cases(loads: Array, face_lines: Sequence[int]) -> tuple[Array, list[list[int]]]:
     """Return the distinct load cases among those for several positions of the end face, so that each is solved only once.
 
-    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``cuts``: numbers of
-    the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as for
-    the end face furthest from the loaded groove.
+    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``face_lines``: numbers
+    of the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as
+    for the end face furthest from the loaded groove.
 
     Returns
     -------
@@ -517,8 +549,8 @@ def merge_equal_loads(loads: Array, cuts: Sequence[int]) -> tuple[Array, list[li
         The different load cases, one in each row ``(cases, 3 nodes)``; and for each end face the numbers of the rows that
         hold the loads of the f patches.
     """
-    rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in cuts]
-    for k, cut in enumerate(cuts):
+    rows, of = [x.ravel() for x in loads[:, -1]], [[0] * len(loads) for _ in face_lines]
+    for k, cut in enumerate(face_lines):
         for f, load in enumerate(loads):
             alike = np.abs(load[k, : cut + 1] - load[-1, : cut + 1]).max() < SAME * np.abs(load[-1]).max()
             of[k][f] = f if alike else len(rows)

@@ -41,7 +41,7 @@ def quadratic_shape_functions(x: Array) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class Grid:
+class QuadrilateralGrid:
     """Structured grid of 9-node quadrilaterals in the plane (r, z) of a body of revolution.
 
     The node on line i in z and line j in r has the number i * columns + j.
@@ -57,7 +57,7 @@ class Grid:
         """Numbers of lines in z and in r."""
         return int(self.r.shape[0]), int(self.r.shape[1])
 
-    def cells(self) -> Index:
+    def element_nodes(self) -> Index:
         """Return the numbers of the nine nodes of every element ``(elements, 9)``; nodes along r follow one another."""
         rows, columns = self.shape
         i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
@@ -76,10 +76,12 @@ def add_mid_nodes(ends: Array) -> Array:
     return lines
 
 
-def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
+def tube_grid(r_ends: Array, z_ends: Array) -> QuadrilateralGrid:
     """Return the grid of a plain tube whose elements end at given radii ``r_ends`` and axial positions ``z_ends`` [m]."""
     r, z = add_mid_nodes(r_ends), add_mid_nodes(z_ends)
-    return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
+    return QuadrilateralGrid(
+        np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy()
+    )
 
 
 def elasticity_matrix(young: float, poisson: float) -> Array:
@@ -97,7 +99,7 @@ def elasticity_matrix(young: float, poisson: float) -> Array:
 
 
 @dataclass(frozen=True)
-class Layer:
+class GrooveLayer:
     """Smooth anisotropic elastic layer that replaces the grooves and lands of a nut.
 
     The lands between grooves are rings. Around the axis the layer's stiffness is that of the solid part of its volume;
@@ -107,29 +109,29 @@ class Layer:
     #: Radii of cylinders through the layer ``(k,)`` [m].
     radii: tuple[float, ...]
     #: Fraction of each of these cylinders that is filled with material ``(k,)``.
-    shares: tuple[float, ...]
+    filled_fractions: tuple[float, ...]
     #: Exponent of this fraction in the stiffness along the axis.
-    axial: float
+    axial_exponent: float
     #: Exponent of this fraction in the shear stiffness along the axis.
-    shear: float
+    shear_exponent: float
     #: Lead angle of the groove [rad].
-    tilt: float
+    lead_angle: float
 
     def elasticity(self, young: float, poisson: float, radius: Array) -> Array:
         """Return the elasticity matrix D ``(..., 6, 6)`` [Pa] of the layer at radii ``(...)`` [m]; see `elasticity_matrix`.
 
         ``young``: Young's modulus [Pa] and ``poisson``: Poisson's ratio of the solid material.
         """
-        f = np.interp(radius, self.radii, self.shares)
+        f = np.interp(radius, self.radii, self.filled_fractions)
         S = np.zeros((*np.shape(f), 6, 6))
         S[..., :3, :3] = -poisson
         S[..., np.arange(3), np.arange(3)] = 1.0
         S[..., np.arange(3, 6), np.arange(3, 6)] = 2.0 * (1.0 + poisson)
         S /= young * f[..., None, None]
-        S[..., 2, 2] *= f ** (1.0 - self.axial)
+        S[..., 2, 2] *= f ** (1.0 - self.axial_exponent)
         for shear in (3, 5):
-            S[..., shear, shear] *= f ** (1.0 - self.shear)
-        c, s = np.cos(self.tilt), np.sin(self.tilt)
+            S[..., shear, shear] *= f ** (1.0 - self.shear_exponent)
+        c, s = np.cos(self.lead_angle), np.sin(self.lead_angle)
         T = np.eye(6)  # strains along and across the groove
         T[1:3, 1:3] = [[c * c, s * s], [s * s, c * c]]
         T[1, 5], T[2, 5] = -2.0 * c * s, 2.0 * c * s
@@ -141,7 +143,9 @@ class Layer:
         return np.asarray(np.linalg.inv(S), dtype=float)
 
 
-def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | None = None) -> tuple[Array, Array, Array]:
+def element_stiffness_parts(
+    grid: QuadrilateralGrid, young: float, poisson: float, layer: GrooveLayer | None = None
+) -> tuple[Array, Array, Array]:
     """Return the parts K_0, K_1, K_2 of the stiffness of all elements in harmonic n, c (K_0 + n K_1 + n^2 K_2).
 
     Each is ``(elements, 27, 27)``; the degrees of freedom are U, V, W for each node. ``young`` [Pa], ``poisson``: constants
@@ -152,7 +156,7 @@ def element_matrices(grid: Grid, young: float, poisson: float, layer: Layer | No
     ValueError
         An element is turned inside out.
     """
-    cells = grid.cells()
+    cells = grid.element_nodes()
     r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
     D = elasticity_matrix(young, poisson)
     B, DB = np.empty((2, len(cells), 9, 6, 54))
@@ -194,12 +198,12 @@ def strain_matrices(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Arr
     return B0, B1
 
 
-def circumference_integral_factor(n: int) -> float:
+def circumference_integral_factor(harmonic: int) -> float:
     """Return the factor c of harmonic n: the integral of cos^2(n t) around the circle, 2 pi for n = 0, otherwise pi."""
-    return 2.0 * np.pi if n == 0 else np.pi
+    return 2.0 * np.pi if harmonic == 0 else np.pi
 
 
-def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
+def solve_harmonic_displacements(bands: Array, harmonic: int, loads: Array) -> Array:
     """Return the displacements of a body's k free degrees of freedom [m] by loads of harmonic n, in the loads' shape.
 
     ``bands``: stiffness parts from `Body.bands`; ``loads``: generalised forces (k, ...) [N].
@@ -211,15 +215,17 @@ def solve_harmonic(bands: Array, n: int, loads: Array) -> Array:
     """
     from scipy.linalg import solveh_banded
 
-    K = np.tensordot(circumference_integral_factor(n) * np.array([1.0, n, n * n]), bands, 1)
+    K = np.tensordot(circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic]), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
 
-def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
+def condense_to_last_freedoms(
+    bands: Array, harmonic: int, loads: Array, remaining_count: int
+) -> tuple[Array, Array, Array]:
     """Condense a body's stiffness and loads of harmonic n statically to the last degrees of freedom.
 
-    ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom; ``last``:
-    number of degrees of freedom that remain.
+    ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom;
+    ``remaining_count``: number of degrees of freedom that remain.
 
     Returns
     -------
@@ -235,11 +241,11 @@ def condense_to_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Arr
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
 
-    K = np.tensordot(circumference_integral_factor(n) * np.array([1.0, n, n * n]), bands, 1)
+    K = np.tensordot(circumference_integral_factor(harmonic) * np.array([1.0, harmonic, harmonic * harmonic]), bands, 1)
     L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
     Y = dtbtrs(L, loads, uplo="L")[0]
-    before = L.shape[1] - last
-    corner = diagonal_block_of_bands(L, before, last)
+    before = L.shape[1] - remaining_count
+    corner = diagonal_block_of_bands(L, before, remaining_count)
     return corner @ corner.T, corner @ Y[before:], Y[:before].T @ Y[:before]
 
 
@@ -254,11 +260,16 @@ def diagonal_block_of_bands(L: Array, first: int, size: int) -> Array:
     return np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), first + place], 0.0)
 
 
-class Body:
+class BodyOfRevolution:
     """Finite-element model of an elastic body of revolution; its element stiffnesses serve all harmonics."""
 
     def __init__(
-        self, grid: Grid, young: float, poisson: float, layer: Layer | None = None, solid: NDArray[np.bool_] | None = None
+        self,
+        grid: QuadrilateralGrid,
+        young: float,
+        poisson: float,
+        layer: GrooveLayer | None = None,
+        solid: NDArray[np.bool_] | None = None,
     ) -> None:
         """Compute the stiffness parts K_0, K_1, K_2 of all finite elements of the body.
 
@@ -267,21 +278,21 @@ class Body:
         inside out.
         """
         self.grid = grid
-        self.elements = np.stack(element_matrices(grid, young, poisson, layer))
+        self.elements = np.stack(element_stiffness_parts(grid, young, poisson, layer))
         if solid is not None:
             self.elements[:, ~solid] = 0.0
 
-    def freedoms(self) -> Index:
+    def element_freedoms(self) -> Index:
         """Return the numbers of the degrees of freedom of every element ``(elements, 27)``."""
-        cells = self.grid.cells()
+        cells = self.grid.element_nodes()
         return (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
 
     @cached_property
-    def parts(self) -> tuple[csr_array, ...]:
+    def stiffness_parts(self) -> tuple[csr_array, ...]:
         """Parts K_0, K_1, K_2 ``(3 nodes, 3 nodes)`` of the stiffness in harmonic n, c (K_0 + n K_1 + n^2 K_2)."""
         from scipy.sparse import coo_array
 
-        dof = self.freedoms()
+        dof = self.element_freedoms()
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * self.grid.r.size
@@ -303,13 +314,13 @@ class Body:
         return out.reshape(3, -1, 3, 3 * width, 3, 3 * width)
 
     @cached_property
-    def alike(self) -> NDArray[np.bool_]:
+    def equals_previous_row(self) -> NDArray[np.bool_]:
         """Whether each radial row of elements has the same stiffness as the row before it along the axis ``(rows,)``."""
         rows = self.elements.reshape(3, self.grid.shape[0] // 2, -1)
         change = np.abs(np.diff(rows, axis=1)).max(axis=(0, 2))
         return np.append(False, change < ALIKE * np.abs(rows).max())
 
-    def bands(self, free: NDArray[np.bool_]) -> Array:
+    def stiffness_bands(self, free: NDArray[np.bool_]) -> Array:
         """Return the stiffness parts K_0, K_1, K_2 of the free degrees of freedom, stored in lower bands.
 
         ``free``: whether each degree of freedom is free (3 nodes,); k of them are.
@@ -320,7 +331,7 @@ class Body:
             Diagonals of K_0, K_1, K_2 from the main one downwards ``(3, bandwidth, k)``.
         """
         count, place = int(free.sum()), np.where(free, np.cumsum(free) - 1, -1)
-        i = place[self.freedoms()]
+        i = place[self.element_freedoms()]
         below = np.flatnonzero((i[:, :, None] >= i[:, None]) & (i[:, None] >= 0))
         j = np.broadcast_to(i[:, None], (len(i), 27, 27)).ravel()[below]
         down = np.broadcast_to(i[:, :, None], (len(i), 27, 27)).ravel()[below] - j
@@ -329,9 +340,11 @@ class Body:
         found = [np.bincount(at, values, width * count) for values in parts]
         return np.asarray(found, dtype=float).reshape(3, width, count)
 
-    def stiffness(self, n: int) -> csr_array:
+    def harmonic_stiffness(self, n: int) -> csr_array:
         """Return the stiffness matrix K_n of harmonic n ``(3 nodes, 3 nodes)``."""
-        return circumference_integral_factor(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
+        return circumference_integral_factor(n) * (
+            self.stiffness_parts[0] + n * self.stiffness_parts[1] + n * n * self.stiffness_parts[2]
+        )
 
     def freedoms_regular_on_axis(self, n: int) -> NDArray[np.bool_]:
         """Return whether each degree of freedom is free in harmonic n ``(3 nodes,)``: all but those on the axis r = 0.
@@ -345,15 +358,15 @@ class Body:
         return free.ravel()
 
 
-def end_motions(body: Body, n: int) -> Array:
+def low_end_mean_motion_matrix(body: BodyOfRevolution, n: int) -> Array:
     """Return the matrix that converts nodal displacements at a body's low-z end to its mean rigid motions in harmonic n.
 
-    It is `mean_motions` for the nodes at that end, ``(2, 3 columns)`` for n = 0 or 1.
+    It is `mean_rigid_motion_matrix` for the nodes at that end, ``(2, 3 columns)`` for n = 0 or 1.
     """
-    return mean_motions(body.grid.r[0], n)
+    return mean_rigid_motion_matrix(body.grid.r[0], n)
 
 
-def mean_motions(r: Array, n: int) -> Array:
+def mean_rigid_motion_matrix(r: Array, n: int) -> Array:
     """Return the matrix ``(k, 3 columns)`` that converts nodal displacements of a cross-section to its mean rigid motions.
 
     ``r`` ``(columns,)``: radii of the nodes [m]; the displacements are U, V, W of harmonic ``n`` for each node. Harmonic n
@@ -376,7 +389,7 @@ def mean_motions(r: Array, n: int) -> Array:
 
 
 @dataclass(frozen=True)
-class BlockSum:
+class OverlappingBlockMatrix:
     """Symmetric matrix stored as the sum of square blocks on its diagonal, which may overlap."""
 
     #: Number of rows of the matrix.
@@ -384,7 +397,7 @@ class BlockSum:
     #: First row and values of each block.
     blocks: tuple[tuple[int, Array], ...]
 
-    def whole(self) -> Array:
+    def full_matrix(self) -> Array:
         """Return the full matrix ``(size, size)`` as the sum of its blocks."""
         out = np.zeros((self.size, self.size))
         for first, block in self.blocks:
@@ -392,7 +405,7 @@ class BlockSum:
             out[rows, rows] += block
         return out
 
-    def reach(self, low: int, high: int) -> tuple[int, int]:
+    def nonzero_row_range(self, low: int, high: int) -> tuple[int, int]:
         """Return the range of rows (first, last + 1) in which the matrix may have nonzero entries in a range of columns.
 
         ``low``: first column; ``high``: last column + 1.
@@ -402,13 +415,13 @@ class BlockSum:
 
 
 def grid_line_compliance(
-    body: Body,
+    body: BodyOfRevolution,
     harmonics: Sequence[int],
     held: NDArray[np.bool_],
     line: int,
     rows: tuple[int, int],
     springs: Sequence[float] = (),
-) -> list[BlockSum]:
+) -> list[OverlappingBlockMatrix]:
     """Return the compliance between the nodes on one axial grid line of a body of revolution, in several harmonics.
 
     Parameters
@@ -429,7 +442,7 @@ def grid_line_compliance(
 
     Returns
     -------
-    list[BlockSum]
+    list[OverlappingBlockMatrix]
         Compliance ``(3 k, 3 k)`` [m/N] of each harmonic, with U, V, W for each node. In harmonics above 1 a load has an
         effect only over a short length; the blocks have about this length.
 
@@ -451,19 +464,19 @@ def grid_line_compliance(
 
 
 @dataclass(frozen=True)
-class Stretch:
+class CondensedStretch:
     """Axial part of a body of revolution in h harmonics, condensed to the q degrees of freedom at its two ends."""
 
     #: Stiffness of the end lines ``(h, q, q)``.
-    stiffness: Array
+    end_stiffness: Array
     #: Equivalent forces on the end lines of k unit loads on the nodes between them ``(h, q, k)``.
-    forces: Array
+    end_forces: Array
     #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each after the index of its
     #: first load.
-    motion: tuple[tuple[int, Array], ...] = ()
+    inner_compliance: tuple[tuple[int, Array], ...] = ()
 
 
-def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
+def join_stretches(a: CondensedStretch, b: CondensedStretch, loads: Array) -> CondensedStretch:
     """Join two neighbouring axial parts of a body into one, and eliminate the grid line between them.
 
     ``a``: stretch at lower z; ``b``: stretch at higher z; ``loads`` ``(h, m, j)``: j unit loads on the m degrees of freedom
@@ -476,24 +489,24 @@ def join_stretches(a: Stretch, b: Stretch, loads: Array) -> Stretch:
         The line between is not fixed.
     """
     h, m, between = loads.shape
-    low, high = a.stiffness.shape[1] - m, b.stiffness.shape[1] - m
-    before, after = a.forces.shape[2], a.forces.shape[2] + between
-    size, total = low + m + high, after + b.forces.shape[2]
+    low, high = a.end_stiffness.shape[1] - m, b.end_stiffness.shape[1] - m
+    before, after = a.end_forces.shape[2], a.end_forces.shape[2] + between
+    size, total = low + m + high, after + b.end_forces.shape[2]
     K, forces = np.zeros((h, size, size)), np.zeros((h, size, total))
-    K[:, : low + m, : low + m] = a.stiffness
-    K[:, low:, low:] += b.stiffness
-    forces[:, : low + m, :before], forces[:, low:, after:] = a.forces, b.forces
+    K[:, : low + m, : low + m] = a.end_stiffness
+    K[:, low:, low:] += b.end_stiffness
+    forces[:, : low + m, :before], forces[:, low:, after:] = a.end_forces, b.end_forces
     forces[:, low : low + m, before:after] = loads
-    motion = *a.motion, *((after + first, block) for first, block in b.motion)
-    return eliminate_freedoms(Stretch(K, forces, motion), slice(low, low + m))
+    motion = *a.inner_compliance, *((after + first, block) for first, block in b.inner_compliance)
+    return eliminate_freedoms(CondensedStretch(K, forces, motion), slice(low, low + m))
 
 
-def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
+def eliminate_freedoms(stretch: CondensedStretch, line: slice) -> CondensedStretch:
     """Eliminate degrees of freedom of an axial part of a body by static condensation.
 
     ``line``: range of the degrees of freedom that are eliminated. The returned stretch has the remaining ones.
     """
-    K, forces, motion = stretch.stiffness, stretch.forces, stretch.motion
+    K, forces, motion = stretch.end_stiffness, stretch.end_forces, stretch.inner_compliance
     left = np.delete(np.arange(K.shape[1]), line)
     reach = np.flatnonzero((np.abs(forces[:, line]) > NONE_LEFT).any(axis=(0, 1)))
     felt = slice(reach[0], reach[-1] + 1) if reach.size else slice(0, 0)
@@ -504,24 +517,24 @@ def eliminate_freedoms(stretch: Stretch, line: slice) -> Stretch:
     forces[:, :, felt] -= P[:, :m, m:]
     if reach.size:
         motion = *motion, (felt.start, P[:, m:, m:].copy())
-    return Stretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
+    return CondensedStretch(K[:, left[:, None], left] - P[:, :m, :m], forces, motion)
 
 
-def repeat_stretch(stretch: Stretch, count: int, loads: Array) -> Stretch:
-    """Join ``count`` equal axial parts of a body in a row into one, by repeated doubling.
+def repeat_stretch(stretch: CondensedStretch, repetitions: int, loads: Array) -> CondensedStretch:
+    """Join ``repetitions`` equal axial parts of a body in a row into one, by repeated doubling.
 
     ``loads`` ``(h, m, j)``: unit loads on each grid line between two stretches.
     """
-    if count == 1:
+    if repetitions == 1:
         return stretch
-    half = repeat_stretch(stretch, count // 2, loads)
+    half = repeat_stretch(stretch, repetitions // 2, loads)
     twice = join_stretches(half, half, loads)
-    return join_stretches(twice, stretch, loads) if count % 2 else twice
+    return join_stretches(twice, stretch, loads) if repetitions % 2 else twice
 
 
 def _grid_line_compliance_by_stretches(
-    body: Body, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
-) -> list[BlockSum]:
+    body: BodyOfRevolution, n: Index, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float]
+) -> list[OverlappingBlockMatrix]:
     """Return the result of `grid_line_compliance` for some harmonics, by joining radial rows of elements one after another.
 
     ``n``: numbers of the harmonics, either 0, or 1, or numbers above 1. Equal rows in succession are joined by doubling.
@@ -546,35 +559,35 @@ def _grid_line_compliance_by_stretches(
         """Return the unit loads on grid line i."""
         return (free[:, i, :, None] * unit)[:, :, : 3 if rows[0] <= i < rows[1] else 0]
 
-    def row_stretch(k: int) -> Stretch:
+    def row_stretch(k: int) -> CondensedStretch:
         """Return the radial row k of elements as a condensed axial part, without its middle grid line."""
         moves, parts = free[:, 2 * k : 2 * k + 3].reshape(n.size, -1), body.stiffness_of_rows(np.array([k]))
         K = np.tensordot(powers, parts.reshape(3, 3 * width, -1), 1) * moves[:, :, None] * moves[:, None]
         K[:, np.arange(3 * width), np.arange(3 * width)] += np.where(moves, 0.0, np.abs(K).max())
         middle = loads(2 * k + 1)
         forces = np.pad(middle, ((0, 0), (width, width), (0, 0)))
-        return eliminate_freedoms(Stretch(K, forces), slice(width, 2 * width))
+        return eliminate_freedoms(CondensedStretch(K, forces), slice(width, 2 * width))
 
-    def end_stretch(springs: Array | float) -> Stretch:
+    def end_stretch(springs: Array | float) -> CondensedStretch:
         """Return an axial part without material at an end of the body, with springs on its one grid line."""
-        return Stretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))
+        return CondensedStretch(np.zeros((n.size, width, width)) + springs, np.zeros((n.size, width, 0)))
 
     pattern = [(free[:, 2 * k : 2 * k + 3].tobytes(), rows[0] <= 2 * k + 1 < rows[1]) for k in range(count // 2)]
-    alike = body.alike
+    alike = body.equals_previous_row
     starts = [k for k in range(count // 2) if not alike[k] or pattern[k] != pattern[k - 1]]
     stretches = [
         repeat_stretch(row_stretch(k), after - k, loads(2 * k + 2)) for k, after in pairwise([*starts, count // 2])
     ]
     between, soft = [*(loads(2 * k) for k in starts), loads(count - 1)], 0.0
     if springs and n[0] < 2:
-        motions = end_motions(body, int(n[0]))
+        motions = low_end_mean_motion_matrix(body, int(n[0]))
         low = motions * free[0, 0]
         soft = low.T @ (np.array(springs[2:] if n[0] == 0 else springs[:2])[:, None] * low)
         between[-1] = np.concatenate([between[-1], (motions * free[0, -1]).T[None]], axis=2)
     stretches = [end_stretch(soft), *stretches, end_stretch(0.0)]
     while between:  # join the neighbours with the fewest loads first
-        counts = [s.forces.shape[2] for s in stretches]
+        counts = [s.end_forces.shape[2] for s in stretches]
         i = min(range(len(between)), key=lambda i: counts[i] + counts[i + 1])
         stretches[i : i + 2] = [join_stretches(stretches[i], stretches[i + 1], between.pop(i))]
-    size, blocks = stretches[0].forces.shape[2], stretches[0].motion
-    return [BlockSum(size, tuple((first, block[i]) for first, block in blocks)) for i in range(n.size)]
+    size, blocks = stretches[0].end_forces.shape[2], stretches[0].inner_compliance
+    return [OverlappingBlockMatrix(size, tuple((first, block[i]) for first, block in blocks)) for i in range(n.size)]

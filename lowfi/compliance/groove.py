@@ -16,18 +16,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollbench.lowfi.compliance.beyond_hertz import NARROW, Flank
+from rollbench.lowfi.compliance.beyond_hertz import NARROW, HalfGroove
 from rollbench.lowfi.compliance.fourier import (
-    Body,
-    Grid,
-    Layer,
-    condense_to_last,
-    mean_motions,
+    BodyOfRevolution,
+    GrooveLayer,
+    QuadrilateralGrid,
+    condense_to_last_freedoms,
+    mean_rigid_motion_matrix,
     quadratic_shape_functions,
-    solve_harmonic,
+    solve_harmonic_displacements,
     tube_grid,
 )
-from rollbench.lowfi.compliance.tube import Tube, flank_profile_points, radial_element_ends, solve_cell_under_unit_strain
+from rollbench.lowfi.compliance.tube import (
+    SmoothBody,
+    flank_profile_points,
+    radial_element_ends,
+    solve_half_lead_under_unit_motion,
+)
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.section import BeamSection
@@ -38,28 +43,28 @@ LEAST_SHARE = 0.02
 LARGEST_POWER = 200.0
 
 
-def equivalent_cylinder_radius(flank: Flank, power: int) -> float:
+def equivalent_cylinder_radius(flank: HalfGroove, power: int) -> float:
     """Return the radius of the smooth cylinder that replaces the grooved surface of screw or nut [m].
 
     ``flank``: groove of the body; ``power``: 2 if the body is to have the same volume, 3 if a bore is to leave the same
     mean cube of the wall thickness, to which the bending stiffness of a ring is proportional.
     """
-    grid = flank.grid()
-    line = -1 if flank.screw else 0
+    grid = flank.finite_element_grid()
+    line = -1 if flank.is_screw else 0
     r, z = grid.r[:, line], grid.z[:, line]
-    f = r**2 if power == 2 else (flank.far - r) ** 3
+    f = r**2 if power == 2 else (flank.plain_radius - r) ** 3
     mean = float(((f[:-2:2] + 4.0 * f[1:-1:2] + f[2::2]) / 6.0 * (z[2::2] - z[:-2:2])).sum() / z[-1])
-    return float(np.sqrt(mean)) if power == 2 else flank.far - float(np.cbrt(mean))
+    return float(np.sqrt(mean)) if power == 2 else flank.plain_radius - float(np.cbrt(mean))
 
 
-def groove_layer(flank: Flank, section: BeamSection) -> Layer:
+def groove_layer(flank: HalfGroove, section: BeamSection) -> GrooveLayer:
     """Return the anisotropic layer that represents the nut's grooves between lands and groove bottom.
 
     With it the smooth nut has the axial and torsional stiffness of the grooved ``section``.
     """
-    r, zeta = (x[::-1] for x in flank_profile_points(flank.map, flank.land, flank.screw, 33))
-    share = np.maximum(1.0 - zeta / flank.half, LEAST_SHARE)
-    young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.far)
+    r, zeta = (x[::-1] for x in flank_profile_points(flank.groove_map, flank.land_radius, flank.is_screw, 33))
+    share = np.maximum(1.0 - zeta / flank.half_length, LEAST_SHARE)
+    young, shear, (root, far) = flank.material.youngs_modulus, flank.material.shear_modulus, (r[-1], flank.plain_radius)
     area = section.EA / (np.pi * young) - (far**2 - root**2)
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
@@ -68,39 +73,41 @@ def groove_layer(flank: Flank, section: BeamSection) -> Layer:
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 
-    tilt = float(np.arctan(flank.map.rg / flank.contact()[0]))
-    return Layer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
+    tilt = float(np.arctan(flank.groove_map.rg / flank.contact_position()[0]))
+    return GrooveLayer(tuple(r), tuple(share), power(2.0 * r, area), power(4.0 * r**3, twist), tilt)
 
 
-def contact_motions_by_tension_and_moment(flank: Flank, smooth: Tube) -> Array:
+def contact_motions_by_tension_and_moment(flank: HalfGroove, smooth: SmoothBody) -> Array:
     """Return the local motions ``(2, 2)`` of a contact along r and z by a unit tension, then by a unit bending moment.
 
     Tension and moment act on the contact's cross-section; the motions are in m/N and 1/N. The contact is on the flank at
     positive z, and the moment stretches the body's side with the contact. Motions of the beam's section and of the smooth
     body are subtracted. A remainder is left because at a groove the body is thinner, and strains more, than on average.
     """
-    grid, (radius, zeta) = flank.grid(), flank.contact()
-    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.screw else 0, radial_element_ends(smooth)
-    share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.map.ball)[0]
-    plain = tube_grid(r_ends, np.array([0.0, flank.half]))
+    grid, (radius, zeta) = flank.finite_element_grid(), flank.contact_position()
+    line, (r_ends, loaded) = grid.shape[1] - 1 if flank.is_screw else 0, radial_element_ends(smooth)
+    share = gaussian_patch_weights(grid, line, zeta, NARROW * flank.groove_map.ball)[0]
+    plain = tube_grid(r_ends, np.array([0.0, flank.half_length]))
     out = np.empty((2, 2))
     for k, kind in enumerate(("axial", "bending")):
-        stiffness, motion = solve_cell_under_unit_strain(
-            Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
+        stiffness, motion = solve_half_lead_under_unit_motion(
+            BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio), kind
         )
-        smooth_stiffness, smooth_motion = solve_cell_under_unit_strain(smooth.body(plain), kind)
-        at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half])
+        smooth_stiffness, smooth_motion = solve_half_lead_under_unit_motion(smooth.finite_element_body(plain), kind)
+        at = share @ motion[:, line, ::2] - (radius if k else 1.0) * np.array([0.0, zeta / flank.half_length])
         widens = float(smooth_motion[0, loaded, 0])
         if kind == "bending":  # from the beam's axis, the mean of the section, which bends away from the stretched side
-            axis = [float(mean_motions(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
-            at[0] += (zeta**2 - 0.5 * flank.half**2) / (2.0 * flank.half) - 0.5 * sum(axis)
-            widens -= float(mean_motions(plain.r[0], 1)[0] @ smooth_motion[0].ravel())
-            widens -= smooth.width**2 / (2.0 * flank.half)
+            axis = [float(mean_rigid_motion_matrix(grid.r[i], 1)[0] @ motion[i].ravel()) for i in (0, -1)]
+            at[0] += (zeta**2 - 0.5 * flank.half_length**2) / (2.0 * flank.half_length) - 0.5 * sum(axis)
+            widens -= float(mean_rigid_motion_matrix(plain.r[0], 1)[0] @ smooth_motion[0].ravel())
+            widens -= smooth.patch_width**2 / (2.0 * flank.half_length)
         out[k] = at / stiffness - np.array([widens, 0.0]) / smooth_stiffness
     return out
 
 
-def gaussian_patch_weights(grid: Grid, line: int, zeta: float, width: float, moment: int = 0) -> tuple[Array, Array]:
+def gaussian_patch_weights(
+    grid: QuadrilateralGrid, line: int, zeta: float, width: float, moment: int = 0
+) -> tuple[Array, Array]:
     """Return the weights of k surface nodes for a Gaussian load patch on a flank, then the nodes' axial positions ``(k,)``.
 
     The patch is Gaussian in the arc length from the point at z = ``zeta`` and has the standard deviation ``width`` [m].
@@ -154,12 +161,12 @@ def cubic_spline(known: ArrayLike, values: Array) -> Callable[[Array], Array]:
     return found
 
 
-def interpolate_harmonics(n: Array, values: Array) -> Array:
-    """Interpolate values ``(k, ...)``, computed for k harmonics ``n``, to all harmonics from the first to the last."""
-    return np.asarray(cubic_spline(np.log1p(n), values)(np.log1p(np.arange(n[0], n[-1] + 1))))
+def interpolate_harmonics(harmonics: Array, values: Array) -> Array:
+    """Interpolate values ``(k, ...)``, computed for k harmonics, to all harmonics from the first to the last."""
+    return np.asarray(cubic_spline(np.log1p(harmonics), values)(np.log1p(np.arange(harmonics[0], harmonics[-1] + 1))))
 
 
-def flank_normals(grid: Grid, line: int) -> Array:
+def flank_normals(grid: QuadrilateralGrid, line: int) -> Array:
     """Return unit normals ``(k, 2)`` (r, z) of a body's surface at k nodes of a grid line, averaged over both elements.
 
     Whether they point into or out of the body is not defined.
@@ -174,79 +181,85 @@ def flank_normals(grid: Grid, line: int) -> Array:
     return np.column_stack([-along[:, 1], along[:, 0]])
 
 
-def nodal_forces_along_flank_normals(flank: Flank, grid: Grid, width: float, zeta: float) -> Array:
+def nodal_forces_along_flank_normals(flank: HalfGroove, grid: QuadrilateralGrid, width: float, zeta: float) -> Array:
     """Return the nodal forces ``(k, 2)`` (r, z) of a patch of unit load along the flank's normals, at z = ``zeta`` [m].
 
     ``grid``: grid of the body; ``width``: standard deviation of the Gaussian patch [m].
     """
-    line = grid.shape[1] - 1 if flank.screw else 0
+    line = grid.shape[1] - 1 if flank.is_screw else 0
     share, _ = gaussian_patch_weights(grid, line, zeta, width)
-    m = flank.map
-    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    m = flank.groove_map
+    nominal = m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
     normals = flank_normals(grid, line)
     return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
 
 
-def self_motion_harmonics(flank: Flank, grid: Grid, load: tuple[Array, Array], n: Array) -> Array:
+def patch_self_motion_harmonics(
+    flank: HalfGroove, grid: QuadrilateralGrid, load_cases: tuple[Array, Array], harmonics: Array
+) -> Array:
     """Return k Fourier harmonics of the motion of a load patch on one groove flank by a unit load on itself ``(k,)`` [m/N].
 
-    ``grid``: grid of the body; ``n`` ``(k,)``: numbers of the harmonics; ``load``: nodal forces of two load cases,
-    symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
+    ``grid``: grid of the body; ``harmonics`` ``(k,)``: numbers of the harmonics; ``load_cases``: nodal forces of two load
+    cases, symmetric and antisymmetric to mid groove; the mean of both motions is that of one loaded flank.
     """
     rows, columns = grid.shape
-    turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
-    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
-    forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load], axis=1)
+    turned = QuadrilateralGrid(grid.r[::-1], -grid.z[::-1])  # so that the plane at mid groove is last
+    body = BodyOfRevolution(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load_cases], axis=1)
     held = np.zeros((rows, columns, 3), dtype=bool)
     held[0] = True
-    if not flank.screw:
+    if not flank.is_screw:
         held[:, -1] = True
-    values = np.empty((n.size, 2))
+    values = np.empty((harmonics.size, 2))
     kept: dict[bytes, Array] = {}
-    for k, harmonic in enumerate(n.tolist()):
+    for k, harmonic in enumerate(harmonics.tolist()):
         free = ~held.ravel() & body.freedoms_regular_on_axis(harmonic)
         if free.tobytes() not in kept:
-            kept[free.tobytes()] = body.bands(free)
+            kept[free.tobytes()] = body.stiffness_bands(free)
         along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
-        S, g, work = condense_to_last(kept[free.tobytes()], harmonic, forces[free], along.size)
+        S, g, work = condense_to_last_freedoms(kept[free.tobytes()], harmonic, forces[free], along.size)
         for case, moves in enumerate((~along, along)):  # symmetric, antisymmetric to mid groove
             pressed = g[moves, case]
             values[k, case] = work[case, case] + pressed @ np.linalg.solve(S[np.ix_(moves, moves)], pressed)
     return np.asarray(values.mean(axis=1))
 
 
-def self_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float) -> float:
+def patch_self_motion(flank: HalfGroove, grid: QuadrilateralGrid, load_cases: tuple[Array, Array], width: float) -> float:
     """Return the motion of a load patch on one groove flank by a unit load on itself [m/N], the sum over its harmonics.
 
-    ``load``: see `self_motion_harmonics`; ``width``: standard deviation of the patch [m].
+    ``load_cases``: see `patch_self_motion_harmonics`; ``width``: standard deviation of the patch [m].
     """
-    n = sampled_harmonics(2.6 * flank.contact()[0] / width)
-    waves = interpolate_harmonics(n, self_motion_harmonics(flank, grid, load, n))
-    return float(waves @ gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, flank.contact()[0]))
+    n = sampled_harmonics(2.6 * flank.contact_position()[0] / width)
+    waves = interpolate_harmonics(n, patch_self_motion_harmonics(flank, grid, load_cases, n))
+    return float(waves @ gaussian_patch_harmonic_factors(np.arange(float(waves.size)), width, flank.contact_position()[0]))
 
 
-def equal_patch_loads(flank: Flank, grid: Grid, width: float) -> tuple[Array, Array]:
-    """Return the two load cases of `self_motion_harmonics`: nodal forces of a unit load patch along the flank's normals.
+def symmetric_and_antisymmetric_loads(flank: HalfGroove, grid: QuadrilateralGrid, width: float) -> tuple[Array, Array]:
+    """Return nodal forces of a unit load patch along the normals of a flank, for the two load cases of its self-motion.
 
     The symmetric and the antisymmetric load are the same on the computed half of the groove. ``width``: standard deviation
     of the patch [m].
     """
     force = np.zeros((*grid.shape, 3))
-    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = nodal_forces_along_flank_normals(
-        flank, grid, width, flank.contact()[1]
+    force[:, grid.shape[1] - 1 if flank.is_screw else 0, ::2] = nodal_forces_along_flank_normals(
+        flank, grid, width, flank.contact_position()[1]
     )
     return force, force
 
 
-def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
+def motion_unresolved_by_grid(flank: HalfGroove, coarse: QuadrilateralGrid, last: int) -> float:
     """Return the part of a narrow load patch's motion by a unit load on itself that a coarse grid does not resolve [m/N].
 
     It is the difference between the fine and the coarse grid up to the harmonic ``last``, plus all higher harmonics.
     """
-    fine, radius, width = flank.grid(), flank.contact()[0], NARROW * flank.map.ball
+    fine, radius, width = flank.finite_element_grid(), flank.contact_position()[0], NARROW * flank.groove_map.ball
     low, high = np.unique([min(2, last), last // 4, last // 2, last]), sampled_harmonics(2.6 * radius / width, first=last)
-    sampled = self_motion_harmonics(flank, fine, equal_patch_loads(flank, fine, width), np.concatenate([low[:-1], high]))
-    change = sampled[: low.size] - self_motion_harmonics(flank, coarse, equal_patch_loads(flank, coarse, width), low)
+    sampled = patch_self_motion_harmonics(
+        flank, fine, symmetric_and_antisymmetric_loads(flank, fine, width), np.concatenate([low[:-1], high])
+    )
+    change = sampled[: low.size] - patch_self_motion_harmonics(
+        flank, coarse, symmetric_and_antisymmetric_loads(flank, coarse, width), low
+    )
     harmonics = np.arange(high[-1] + 1.0)
     waves = np.empty(harmonics.size)
     waves[:last] = cubic_spline(np.log1p(low), change)(np.log1p(harmonics[:last]))
@@ -257,38 +270,39 @@ def unresolved_motion(flank: Flank, coarse: Grid, last: int) -> float:
 
 
 @dataclass(frozen=True)
-class RingCompliance:
+class GrooveRingCompliance:
     """Compliance of both flanks of a grooved bearing ring, in Fourier harmonics around the axis.
 
     A ring with its groove is a body of revolution, so that no beam, smooth body or correction is needed.
     """
 
     #: Compliance in each harmonic ``(harmonics, 4, 4)`` [m/N], of left flank (r, z) and right flank (r, z).
-    S: Array
+    harmonics: Array
     #: Change of a contact's compliance if pressure acts along the local normals instead of the nominal one [m/N].
-    normals: float
+    local_normal_correction: float
     #: Standard deviation of the load patches [m].
-    width: float
+    patch_width: float
     #: Radius of the contacts [m].
-    radius: float
+    contact_radius: float
 
 
-def ring_compliance(flank: Flank, held: str) -> RingCompliance:
+def ring_compliance(flank: HalfGroove, fixed_surface: str) -> GrooveRingCompliance:
     """Return the compliance of a grooved bearing ring between narrow load patches on its flanks.
 
-    ``held``: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"`` faces.
+    ``fixed_surface``: fixed surface of the ring, ``"bore"``, ``"outer"`` surface, or ``"low"``, ``"high"`` or ``"both"``
+    faces.
     """
-    half = flank.grid()
-    grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
-    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    half = flank.finite_element_grid()
+    grid = QuadrilateralGrid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
+    body = BodyOfRevolution(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
     fixed = np.zeros((*grid.shape, 3), dtype=bool)
-    fixed[0 if held == "low" else slice(0, 0)] = True
-    fixed[[0, -1] if held == "both" else -1 if held == "high" else slice(0, 0)] = True
-    fixed[:, 0 if held == "bore" else -1 if held == "outer" else slice(0, 0)] = True
-    radius, zeta = flank.contact()
-    line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
+    fixed[0 if fixed_surface == "low" else slice(0, 0)] = True
+    fixed[[0, -1] if fixed_surface == "both" else -1 if fixed_surface == "high" else slice(0, 0)] = True
+    fixed[:, 0 if fixed_surface == "bore" else -1 if fixed_surface == "outer" else slice(0, 0)] = True
+    radius, zeta = flank.contact_position()
+    line, width = (grid.shape[1] - 1 if flank.is_screw else 0), NARROW * flank.groove_map.ball
     rows = np.zeros((5, *grid.shape, 3))
-    if flank.map.touches_at_apex:  # both flanks are the same patch
+    if flank.groove_map.touches_at_apex:  # both flanks are the same patch
         share, _ = gaussian_patch_weights(grid, line, 0.0, width)
         rows[0, :, line, 0] = rows[2, :, line, 0] = rows[1, :, line, 2] = rows[3, :, line, 2] = share
         rows[4, :, line, ::2] = nodal_forces_along_flank_normals(flank, grid, width, 0.0)
@@ -300,27 +314,30 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
         rows[4, count - 1 :, line, ::2] = nodal_forces_along_flank_normals(flank, half, width, zeta)
     n = sampled_harmonics(2.6 * radius / width)
     free = ~fixed.ravel()
-    bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
-    sampled = np.array([loads.T @ solve_harmonic(bands, harmonic, loads) for harmonic in n.tolist()])
+    bands, loads = body.stiffness_bands(free), rows.reshape(5, -1)[:, free].T
+    sampled = np.array([loads.T @ solve_harmonic_displacements(bands, harmonic, loads) for harmonic in n.tolist()])
     harmonics = np.arange(n[-1] + 1.0)
     S = interpolate_harmonics(n, sampled)
-    nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
+    nominal = (
+        np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
+        * flank.groove_map.signs[flank.flank_number]
+    )
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
-    return RingCompliance(
+    return GrooveRingCompliance(
         S[:, :4, :4], float(gaussian_patch_harmonic_factors(harmonics, width, radius) @ turned), width, radius
     )
 
 
-def gaussian_patch_harmonic_factors(n: Array, width: float, radius: float) -> Array:
-    """Return the factors by which a Gaussian load patch reduces the harmonics ``n`` of the motion by a point load.
+def gaussian_patch_harmonic_factors(harmonics: Array, width: float, radius: float) -> Array:
+    """Return the factors by which a Gaussian load patch reduces the harmonics ``harmonics`` of the motion by a point load.
 
     ``width``: standard deviation along the circumference [m]; ``radius``: radius at which the patch lies [m]. Harmonics 0
     and 1, the rigid motions, are not reduced.
     """
-    return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
+    return np.where(harmonics > 1, np.exp(-((harmonics * width / radius) ** 2)), 1.0)
 
 
-def compliance_between_ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
+def compliance_between_ring_contacts(ring: GrooveRingCompliance, azimuth: Array) -> Array:
     """Return the compliance ``(4 N, 4 N)`` [m/N] between the contacts of a bearing ring with N balls.
 
     ``azimuth`` ``(N,)``: positions of the balls [rad]. All left contacts come first; each contact has the axes r and z.
@@ -328,7 +345,7 @@ def compliance_between_ring_contacts(ring: RingCompliance, azimuth: Array) -> Ar
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]
     G = np.zeros((2, N, 2, 2, N, 2))
-    shares = gaussian_patch_harmonic_factors(np.arange(float(len(ring.S))), ring.width, ring.radius)
-    for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
+    shares = gaussian_patch_harmonic_factors(np.arange(float(len(ring.harmonics))), ring.patch_width, ring.contact_radius)
+    for n, (share, S) in enumerate(zip(shares, ring.harmonics, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from rollbench.lowfi.compliance.beyond_hertz import Flank
+from rollbench.lowfi.compliance.beyond_hertz import HalfGroove
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.groove_map import GrooveMap
@@ -23,7 +23,7 @@ from rollbench.meshes.section import BeamSection, screw_section, tube_section
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.tube import Tube
+    from rollbench.lowfi.compliance.tube import SmoothBody
 
 #: Least standard deviation of the load patch on smooth bodies, over the ball's radius; it applies to steep contact angles.
 LEAST = 0.5
@@ -43,7 +43,7 @@ CLAMPED = ("low", "high", "both", "flange")
 
 
 @dataclass(frozen=True)
-class Backend:
+class ComplianceModel:
     """Choice of models for the elastic compliance of screw, nut and balls in addition to Hertz contact."""
 
     #: Section of the screw's beam: that of the scene (eq. C.8 of Lin's thesis), or (``"cell"``) computed by finite elements
@@ -71,18 +71,18 @@ class Backend:
 
 
 #: The refined model, and the models between that of Lin's thesis and the refined one, by name.
-REFINED = Backend()
+REFINED = ComplianceModel()
 LADDER = {
-    "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
-    "lin-cell": Backend("cell", "beam", "rigid", "half space", flank=False),
-    "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
+    "lin": ComplianceModel("scene", "beam", "rigid", "half space", flank=False),
+    "lin-cell": ComplianceModel("cell", "beam", "rigid", "half space", flank=False),
+    "lin-nut": ComplianceModel("cell", "beam", "beam", "half space", flank=False),
     "refined": REFINED,
 }
 #: Statement in reports on a body without compliance.
 RIGID = "rigid apart from the Hertzian contacts"
 
 
-def idealisation_statements(backend: Backend, scene: Scene) -> tuple[str, ...]:
+def idealisation_statements(backend: ComplianceModel, scene: Scene) -> tuple[str, ...]:
     """Return three phrases that say how a compliance model idealises the screw, the nut and the balls of a scene.
 
     ``backend``: model of the bodies' compliance. Raises ValueError, as `meshes.solid.dimensions_of_3d_parts`, if the
@@ -135,19 +135,19 @@ def compliance_geometry_with_balls(scene: Scene) -> tuple[Scene, Array]:
 
 
 @lru_cache(maxsize=64)
-def half_groove_of_body(scene: Scene, screw: bool) -> Flank:
+def half_groove_of_body(scene: Scene, screw: bool) -> HalfGroove:
     """Return half a groove with the body below it: half a lead of screw or nut, or half the width of a bearing ring.
 
     ``screw``: whether the body is the screw (True) or the nut. Raises ValueError for impossible dimensions.
     """
     dims = dimensions_of_3d_parts(scene)
-    m = GrooveMap.of(scene)
-    low, high = dims.ends(scene)
+    m = GrooveMap.from_scene(scene)
+    low, high = dims.ends_of_meshed_screw(scene)
     width = min(scene.nut.length, high - low) if screw else scene.nut.length
     half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
     land = scene.screw.outer_diameter / 2.0 if screw else dims.land
     far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
-    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
+    return HalfGroove(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
 
 
 @lru_cache(maxsize=64)
@@ -177,52 +177,54 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
 
 @lru_cache(maxsize=64)
 @cached_on_disk(BeamSection)
-def grooved_body_section(flank: Flank) -> BeamSection:
+def grooved_body_section(flank: HalfGroove) -> BeamSection:
     """Return the beam section of a body with a groove, computed by finite elements.
 
     The result is cached on disk for each groove, so that scenes with the same screw but another nut share it.
     """
     from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
-    from rollbench.lowfi.compliance.tube import cell_section
+    from rollbench.lowfi.compliance.tube import grooved_beam_section
 
-    if flank.map.rg == 0.0:
-        return tube_section(2.0 * flank.far, 2.0 * equivalent_cylinder_radius(flank, 2), flank.material)
-    return cell_section(flank.map, flank.land, flank.far, flank.screw, flank.material).section
+    if flank.groove_map.rg == 0.0:
+        return tube_section(2.0 * flank.plain_radius, 2.0 * equivalent_cylinder_radius(flank, 2), flank.material)
+    return grooved_beam_section(
+        flank.groove_map, flank.land_radius, flank.plain_radius, flank.is_screw, flank.material
+    ).section
 
 
-def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
+def smooth_body(geometry: Scene, screw: bool, backend: ComplianceModel) -> SmoothBody:
     """Return the smooth body of revolution, without grooves, that represents screw or nut.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw (True) or the nut;
     ``backend``: model of the bodies.
     """
     from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius, groove_layer
-    from rollbench.lowfi.compliance.tube import Tube
+    from rollbench.lowfi.compliance.tube import SmoothBody
 
     flank = half_groove_of_body(geometry, screw)
-    low, high = dimensions_of_3d_parts(geometry).ends(geometry)
+    low, high = dimensions_of_3d_parts(geometry).ends_of_meshed_screw(geometry)
     half, position = geometry.nut.length / 2.0, geometry.nut.position
     if screw:
-        bore, outer, ends = flank.far, equivalent_cylinder_radius(flank, 2), (low, high)
+        bore, outer, ends = flank.plain_radius, equivalent_cylinder_radius(flank, 2), (low, high)
     else:
         bore = (
             equivalent_cylinder_radius(flank, 3 if backend.bore == "ring" else 2)
             if backend.bore in ("ring", "volume")
-            else flank.land
+            else flank.land_radius
         )
-        outer, ends = flank.far, (position - half, position + half)
+        outer, ends = flank.plain_radius, (position - half, position + half)
     layer = None if screw or backend.bore != "layer" else groove_layer(flank, grooved_section(geometry, False))
-    radius = flank.contact()[0]
+    radius = flank.contact_position()[0]
     width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
     flange = None if screw else geometry.nut.flange
-    return Tube(
+    return SmoothBody(
         bore, outer, ends, fixed_surface(geometry, screw), radius, float(width), count, size, flank.material, layer, flange
     )
 
 
-def is_ring(geometry: Scene, screw: bool) -> bool:
+def is_elastic_bearing_ring(geometry: Scene, screw: bool) -> bool:
     """Return whether a body is a bearing ring that is elastic and, with its groove, a body of revolution.
 
     ``geometry``: scene of `reduce_to_compliance_geometry`; ``screw``: whether the body is the screw or inner ring (True),
@@ -231,7 +233,7 @@ def is_ring(geometry: Scene, screw: bool) -> bool:
     return geometry.track.lead == 0.0 and fixed_surface(geometry, screw) not in ("rigid", "section")
 
 
-def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
+def nut_beam_ends_and_clamps(tube: SmoothBody) -> tuple[tuple[float, float], str]:
     """Return the axial positions of both ends of the beam that represents a nut [m], then which of them are clamped.
 
     The clamped ends are "low", "high" or "both", as for `clamped_beam_compliance`. ``tube``: smooth body of the nut. A nut
@@ -244,7 +246,7 @@ def nut_beam_ends(tube: Tube) -> tuple[tuple[float, float], str]:
     return (base, base), "low"
 
 
-def select_flanks(G: Array, flanks: Sequence[int]) -> Array:
+def compliance_block_of_flanks(G: Array, flanks: Sequence[int]) -> Array:
     """Return the block ``(2 c, 2 c)`` of a compliance matrix for the contacts on given flanks.
 
     ``G``: matrix for both flanks of N balls (4 N, 4 N), left flank first; ``flanks``: flanks of the result, 0 left, 1

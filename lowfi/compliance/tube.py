@@ -16,16 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.fourier import (
-    BlockSum,
-    Body,
-    Grid,
-    Layer,
+    BodyOfRevolution,
+    GrooveLayer,
+    OverlappingBlockMatrix,
+    QuadrilateralGrid,
     add_mid_nodes,
     circumference_integral_factor,
-    end_motions,
     grid_line_compliance,
+    low_end_mean_motion_matrix,
     quadratic_shape_functions,
-    solve_harmonic,
+    solve_harmonic_displacements,
     tube_grid,
 )
 from rollbench.meshes.arrays import Array
@@ -38,22 +38,22 @@ MESH = (8, 5, 8)
 
 
 @dataclass(frozen=True)
-class CellSection:
+class GroovedBeamSection:
     """Beam section of a grooved shaft or nut, with the radii of plain cylinders of equal stiffness."""
 
     #: Section constants of the beam.
     section: BeamSection
     #: Radii [m] of three plain cylinders with the same axial, bending and torsional stiffness, respectively: outer radius
     #: of a shaft, bore radius of a nut.
-    radii: tuple[float, float, float]
+    equivalent_radii: tuple[float, float, float]
 
 
-def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> tuple[Array, Array]:
+def flank_profile_points(groove_map: GrooveMap, land_radius: float, screw: bool, count: int) -> tuple[Array, Array]:
     """Return points on one groove flank from the apex to the edge of the land: radii, then axial positions [m].
 
-    Each array is ``(count,)``; the axial position is zero at the apex. ``m``: geometry of the groove; ``land``: radius of
-    the land, the cylindrical surface between the turns of the groove [m]; ``screw``: whether the body is the screw (True)
-    or the nut.
+    Each array is ``(count,)``; the axial position is zero at the apex. ``groove_map``: geometry of the groove;
+    ``land_radius``: radius of the land, the cylindrical surface between the turns of the groove [m]; ``screw``: whether the
+    body is the screw (True) or the nut.
 
     Raises
     ------
@@ -61,15 +61,15 @@ def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> 
         The cylinder of the land does not cut the flank.
     """
     side = 1 if screw else 3
-    centre, radius = m.centre[side], m.radius[side]
-    apex = np.arcsin(np.clip(-m.signs[side, 1] * centre[1] / radius, -1.0, 1.0))
+    centre, radius = groove_map.centre[side], groove_map.radius[side]
+    apex = np.arcsin(np.clip(-groove_map.signs[side, 1] * centre[1] / radius, -1.0, 1.0))
     low, high = apex, 0.5 * pi - 1e-6
     sign = -1.0 if screw else 1.0
 
     def beyond(gamma: float) -> bool:
         """Return whether the flank's point at the contact angle gamma [rad] lies past the cylinder of the land."""
-        x3, z3 = m.polar_to_section(side, np.array(gamma), radius)
-        return bool(sign * (float(m.section_to_unrolled(x3, z3)[0]) - land) < 0.0)
+        x3, z3 = groove_map.polar_to_section(side, np.array(gamma), radius)
+        return bool(sign * (float(groove_map.section_to_unrolled(x3, z3)[0]) - land_radius) < 0.0)
 
     if beyond(low) or not beyond(high):
         raise ValueError(
@@ -79,30 +79,35 @@ def flank_profile_points(m: GrooveMap, land: float, screw: bool, count: int) -> 
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
-    x3, z3 = m.polar_to_section(side, np.linspace(apex, low, count), radius)
-    r, zeta, _ = m.section_to_unrolled(x3, z3)
-    zeta[0], r[-1] = 0.0, land
+    x3, z3 = groove_map.polar_to_section(side, np.linspace(apex, low, count), radius)
+    r, zeta, _ = groove_map.section_to_unrolled(x3, z3)
+    zeta[0], r[-1] = 0.0, land_radius
     return r, zeta
 
 
-def cell_grid(
-    m: GrooveMap, land: float, far: float, screw: bool, mesh: tuple[int, int, int] = MESH, half: float | None = None
-) -> Grid:
+def half_lead_cell_grid(
+    groove_map: GrooveMap,
+    land_radius: float,
+    plain_radius: float,
+    screw: bool,
+    mesh: tuple[int, int, int] = MESH,
+    half_length: float | None = None,
+) -> QuadrilateralGrid:
     """Return the finite-element grid of half a lead of screw or nut, between mid groove and mid land.
 
     Parameters
     ----------
-    m
+    groove_map
         Geometry of the groove.
-    land
+    land_radius
         Radius of the lands [m].
-    far
+    plain_radius
         Radius of the plain surface: bore of the screw or outer radius of the nut [m].
     screw
         Whether the body is the screw; otherwise it is the nut.
     mesh
         Numbers of elements along the flank, along the land, and in depth.
-    half
+    half_length
         For a body without lead: its length on each side of mid groove [m]; None for a body with a lead.
 
     Raises
@@ -110,19 +115,23 @@ def cell_grid(
     ValueError
         The grooves of neighbouring turns overlap.
     """
-    half = pi * abs(m.rg) / m.starts if half is None else half
-    r, zeta = flank_profile_points(m, land, screw, 2 * mesh[0] + 1)
-    if zeta[-1] >= half:
+    half_length = pi * abs(groove_map.rg) / groove_map.starts if half_length is None else half_length
+    r, zeta = flank_profile_points(groove_map, land_radius, screw, 2 * mesh[0] + 1)
+    if zeta[-1] >= half_length:
         raise ValueError("the grooves of neighbouring turns overlap: increase the lead or reduce the groove")
-    along = add_mid_nodes(np.linspace(zeta[-1], half, mesh[1] + 1))[1:]
-    surface, z = np.append(r, np.full(along.size, land)), np.append(zeta, along)
+    along = add_mid_nodes(np.linspace(zeta[-1], half_length, mesh[1] + 1))[1:]
+    surface, z = np.append(r, np.full(along.size, land_radius)), np.append(zeta, along)
     share = add_mid_nodes(1.0 - np.linspace(1.0, 0.0, mesh[2] + 1) ** 1.5)
-    low, high = (np.full_like(surface, far), surface) if screw else (surface, np.full_like(surface, far))
+    low, high = (np.full_like(surface, plain_radius), surface) if screw else (surface, np.full_like(surface, plain_radius))
     depth = share if screw else (1.0 - share)[::-1]
-    return Grid(low[:, None] + depth * (high - low)[:, None], np.broadcast_to(z[:, None], (z.size, depth.size)).copy())
+    return QuadrilateralGrid(
+        low[:, None] + depth * (high - low)[:, None], np.broadcast_to(z[:, None], (z.size, depth.size)).copy()
+    )
 
 
-def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: Material) -> CellSection:
+def grooved_beam_section(
+    groove_map: GrooveMap, land_radius: float, plain_radius: float, screw: bool, material: Material
+) -> GroovedBeamSection:
     """Return the section constants of a grooved shaft or nut, by finite elements.
 
     The shear stiffness is that of the plain cylinder with the same torsional stiffness, because both loads shear the body
@@ -130,47 +139,47 @@ def cell_section(m: GrooveMap, land: float, far: float, screw: bool, material: M
 
     Parameters
     ----------
-    m
+    groove_map
         Geometry of the groove; ValueError if it has no lead.
-    land
+    land_radius
         Radius of the lands [m].
-    far
+    plain_radius
         Bore radius of the shaft, or outer radius of the nut [m].
     screw
         Whether the body is the screw; otherwise it is the nut.
     material
         Material of the body.
     """
-    if m.rg == 0.0:
+    if groove_map.rg == 0.0:
         raise ValueError(
             "the beam section of a groove is computed on half a lead, got a lead of 0; allowed: any other lead"
         )
-    grid = cell_grid(m, land, far, screw)
+    grid = half_lead_cell_grid(groove_map, land_radius, plain_radius, screw)
     young, poisson = material.youngs_modulus, material.poissons_ratio
-    body = Body(grid, young, poisson)
+    body = BodyOfRevolution(grid, young, poisson)
     length = float(grid.z[-1, 0])
-    EA, GJ, EI = (cell_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
+    EA, GJ, EI = (half_lead_stiffness(body, kind) * length for kind in ("axial", "torsion", "bending"))
     shear = material.shear_modulus
     sign = 1.0 if screw else -1.0
     radii = (
-        float(np.sqrt(far**2 + sign * EA / (young * pi))),
-        float((far**4 + sign * 4.0 * EI / (young * pi)) ** 0.25),
-        float((far**4 + sign * 2.0 * GJ / (shear * pi)) ** 0.25),
+        float(np.sqrt(plain_radius**2 + sign * EA / (young * pi))),
+        float((plain_radius**4 + sign * 4.0 * EI / (young * pi)) ** 0.25),
+        float((plain_radius**4 + sign * 2.0 * GJ / (shear * pi)) ** 0.25),
     )
-    outer, bore = (radii[2], far) if screw else (far, radii[2])
+    outer, bore = (radii[2], plain_radius) if screw else (plain_radius, radii[2])
     kappa = shear_coefficient(bore / outer, poisson)
-    return CellSection(BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2)), radii)
+    return GroovedBeamSection(BeamSection(EA, EI, GJ, kappa * shear * pi * (outer**2 - bore**2)), radii)
 
 
-def cell_stiffness(body: Body, kind: str) -> float:
-    """Return the stiffness of half a lead of a body against a unit motion of one end (`solve_cell_under_unit_strain`).
+def half_lead_stiffness(body: BodyOfRevolution, kind: str) -> float:
+    """Return the stiffness of half a lead of a body against a unit motion of one end (`solve_half_lead_under_unit_motion`).
 
     ``body``: finite elements of half a lead; ``kind``: "axial" (result in N/m), "torsion" or "bending" (N m).
     """
-    return solve_cell_under_unit_strain(body, kind)[0]
+    return solve_half_lead_under_unit_motion(body, kind)[0]
 
 
-def solve_cell_under_unit_strain(body: Body, kind: str) -> tuple[float, Array]:
+def solve_half_lead_under_unit_motion(body: BodyOfRevolution, kind: str) -> tuple[float, Array]:
     """Return the stiffness of half a lead of a body, and the motion of its nodes, for a unit motion of one end.
 
     One plane of symmetry is fixed and the other one moves by one unit: u_z = 1 for the ``kind`` "axial" (stiffness in N/m),
@@ -191,8 +200,8 @@ def solve_cell_under_unit_strain(body: Body, kind: str) -> tuple[float, Array]:
             fixed[..., 1] = True
         else:
             fixed[0, -1, 0] = True  # the rigid shift across
-    K, held, q = body.stiffness(n), fixed.ravel(), value.ravel()
-    q[~held] = solve_harmonic(body.bands(~held), n, -(K @ q)[~held])
+    K, held, q = body.harmonic_stiffness(n), fixed.ravel(), value.ravel()
+    q[~held] = solve_harmonic_displacements(body.stiffness_bands(~held), n, -(K @ q)[~held])
     return float(q @ (K @ q)), q.reshape(*shape, 3)
 
 
@@ -224,22 +233,22 @@ SHAPES = quadratic_shape_functions(NODE)[0]
 
 
 @dataclass(frozen=True)
-class Tube:
+class SmoothBody:
     """Smooth elastic body of revolution, without grooves, that represents screw or nut."""
 
     #: Bore radius [m].
-    bore: float
+    bore_radius: float
     #: Outer radius [m].
-    outer: float
+    outer_radius: float
     #: Axial positions of its ends [m].
     ends: tuple[float, float]
     #: Fixed surface: ``"low"``, ``"high"`` or ``"both"`` faces, ``"bore"``, ``"outer"``, ``"flange"``, or ``"section"``:
     #: springs hold the mean motions of its low end.
     held: str
     #: Radius at which contacts load it [m].
-    radius: float
+    contact_radius: float
     #: Standard deviation of the load patches [m].
-    width: float
+    patch_width: float
     #: Largest number of a Fourier harmonic.
     harmonics: int
     #: Sizes of the finite elements in z and in r near the contacts [m].
@@ -247,57 +256,59 @@ class Tube:
     #: Material of the body.
     material: Material
     #: Anisotropic layer that represents the grooves in the nut's bore; None: no layer.
-    layer: Layer | None = None
+    groove_layer: GrooveLayer | None = None
     #: Flange of the nut; None: no flange.
     flange: Flange | None = None
 
-    def body(self, grid: Grid) -> Body:
+    def finite_element_body(self, grid: QuadrilateralGrid) -> BodyOfRevolution:
         """Return the finite-element model of the tube on a grid, which may extend beyond the tube around a flange."""
-        return Body(grid, self.material.youngs_modulus, self.material.poissons_ratio, self.layer, self.solid(grid))
+        return BodyOfRevolution(
+            grid, self.material.youngs_modulus, self.material.poissons_ratio, self.groove_layer, self.filled_elements(grid)
+        )
 
-    def solid(self, grid: Grid) -> NDArray[np.bool_]:
+    def filled_elements(self, grid: QuadrilateralGrid) -> NDArray[np.bool_]:
         """Return whether each element of a grid is filled with material of the tube or its flange ``(elements,)``."""
         r, z = (x[1::2, 1::2].ravel() for x in (grid.r, grid.z))
         if self.flange is None:
             return np.ones(r.size, dtype=bool)
         end, face, _ = self.flange.stations(*self.ends)
-        return np.asarray((r < self.outer) | ((z > min(end, face)) & (z < max(end, face))))
+        return np.asarray((r < self.outer_radius) | ((z > min(end, face)) & (z < max(end, face))))
 
     @cached_property
     def section(self) -> BeamSection:
         """Return the section of the beam that has the tube's stiffness far from loads and ends."""
-        if self.layer is None:
-            return tube_section(2.0 * self.outer, 2.0 * self.bore, self.material)
+        if self.groove_layer is None:
+            return tube_section(2.0 * self.outer_radius, 2.0 * self.bore_radius, self.material)
         length = self.size[0]
-        slice_ = self.body(tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
-        EA, GJ, EI = (length * cell_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
+        slice_ = self.finite_element_body(tube_grid(radial_element_ends(self)[0], np.array([0.0, length])))
+        EA, GJ, EI = (length * half_lead_stiffness(slice_, kind) for kind in ("axial", "torsion", "bending"))
         shear, poisson = self.material.shear_modulus, self.material.poissons_ratio
-        bore = (self.outer**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
-        kappa = shear_coefficient(bore / self.outer, poisson)
-        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (self.outer**2 - bore**2))
+        bore = (self.outer_radius**4 - 2.0 * GJ / (shear * np.pi)) ** 0.25
+        kappa = shear_coefficient(bore / self.outer_radius, poisson)
+        return BeamSection(EA, EI, GJ, kappa * shear * np.pi * (self.outer_radius**2 - bore**2))
 
 
 @dataclass(frozen=True)
-class TubeCompliance:
+class SmoothBodyCompliance:
     """Compliance between k axial positions of a tube at the radius of the contacts, in Fourier harmonics."""
 
     #: The tube.
-    tube: Tube
+    tube: SmoothBody
     #: Axial positions ``(k,)`` [m].
     z: Array
     #: For each harmonic the symmetric compliance ``(3 k, 3 k)`` [m/N], with r, t, z for each position. For a shaft of which
     #: the mean motions at the low-z end are fixed, harmonics 0 and 1 have two more rows and columns: the mean motions at
     #: the high-z end.
-    line: tuple[BlockSum, ...]
+    line_compliance: tuple[OverlappingBlockMatrix, ...]
     #: Motions of these positions (r, t, z) by loads on the mean motions of the high-z end, in harmonics 0 and 1
     #: ``(2, 3, k)`` each.
-    ends: tuple[Array, ...] = ()
+    line_motions_by_end: tuple[Array, ...] = ()
     #: Mean motions of the high-z end by loads on them, in harmonics 0 and 1 ``(2, 2)`` each.
-    corner: tuple[Array, ...] = ()
+    end_compliance: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
-class Points:
+class ContactPoints:
     """Contact points on a body of revolution, in cylindrical coordinates."""
 
     #: Azimuths ``(c,)`` [rad].
@@ -308,26 +319,31 @@ class Points:
     axes: Array
 
 
-def points_in_space(x: Array, axes: Array) -> Points:
+def convert_contacts_to_cylindrical(contact_points: Array, axes: Array) -> ContactPoints:
     """Convert positions and directions of motion of c contacts from Cartesian to cylindrical coordinates.
 
-    ``x``: contact points (c, 3) [m]; ``axes``: unit vectors of the two directions in which each contact moves (c, 2, 3).
+    ``contact_points``: contact points (c, 3) [m]; ``axes``: unit vectors of the two directions in which each contact moves
+    (c, 2, 3).
     """
-    t = np.arctan2(x[:, 1], x[:, 0])
+    t = np.arctan2(contact_points[:, 1], contact_points[:, 0])
     c, s = np.cos(t), np.sin(t)
     r_hat = np.stack([c, s, 0 * c], axis=-1)
     t_hat = np.stack([-s, c, 0 * c], axis=-1)
     parts = (np.einsum("cak,ck->ca", axes, r_hat), np.einsum("cak,ck->ca", axes, t_hat), axes[..., 2])
-    return Points(t, x[:, 2], np.stack(parts, axis=-1))
+    return ContactPoints(t, contact_points[:, 2], np.stack(parts, axis=-1))
 
 
-def radial_element_ends(tube: Tube) -> tuple[Array, int]:
+def radial_element_ends(tube: SmoothBody) -> tuple[Array, int]:
     """Return the radii at which a tube's finite elements end [m], then the number of the grid line at the contacts' radius.
 
     Elements are small near the radius of the contacts. Grid lines are numbered from 0 at the bore, and include those
     through the elements' mid nodes.
     """
-    low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
+    low, high, at = (
+        tube.bore_radius,
+        tube.outer_radius,
+        float(np.clip(tube.contact_radius, tube.bore_radius, tube.outer_radius)),
+    )
     h = tube.size[1]
 
     def graded(length: float) -> Array:
@@ -338,20 +354,22 @@ def radial_element_ends(tube: Tube) -> tuple[Array, int]:
     inner = at - graded(at - low)[::-1] if at > low else np.array([at])
     inner[0] = low
     outer = np.array([at])
-    for end in (high,) if tube.layer is None else (tube.layer.radii[-1], high):  # none of them across the layer's end
+    for end in (
+        (high,) if tube.groove_layer is None else (tube.groove_layer.radii[-1], high)
+    ):  # none of them across the layer's end
         if end > outer[-1]:
             outer = np.append(outer, outer[-1] + graded(end - outer[-1])[1:])
     return np.append(inner, outer[1:]), 2 * (inner.size - 1)
 
 
-def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
+def axial_element_ends(tube: SmoothBody, loaded_range: tuple[float, float]) -> Array:
     """Return the axial positions at which a tube's finite elements end [m].
 
-    Elements are equally long over the loaded zone, and longer outside it. ``zone``: lower and upper end of the loaded zone
-    [m].
+    Elements are equally long over the loaded zone, and longer outside it. ``loaded_range``: lower and upper end of the
+    loaded zone [m].
     """
     (low, high), h = tube.ends, tube.size[0]
-    a, b = max(low, zone[0]), min(high, zone[1])
+    a, b = max(low, loaded_range[0]), min(high, loaded_range[1])
     middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
 
     def beyond(length: float) -> Array:
@@ -364,14 +382,14 @@ def axial_element_ends(tube: Tube, zone: tuple[float, float]) -> Array:
     return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
 
 
-def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
+def add_element_ends_of_flange(tube: SmoothBody, r_ends: Array, z_ends: Array) -> tuple[Array, Array]:
     """Return the radii and axial positions at which elements end [m], with those at the surfaces of the flange added.
 
     ``r_ends``, ``z_ends``: element ends of the tube without its flange [m].
     """
     if tube.flange is None:
         return r_ends, z_ends
-    size, stops = tube.size[0], np.unique([tube.outer, *tube.flange.seat, tube.flange.diameter / 2.0])
+    size, stops = tube.size[0], np.unique([tube.outer_radius, *tube.flange.seat, tube.flange.diameter / 2.0])
     for low, high in pairwise(stops[np.diff(stops, prepend=0.0) > SAME]):
         r_ends = np.append(r_ends, np.linspace(low, high, int(np.ceil((high - low) / size)) + 1)[1:])
     stations = np.array(tube.flange.stations(*tube.ends))
@@ -381,10 +399,10 @@ def add_element_ends_of_flange(tube: Tube, r_ends: Array, z_ends: Array) -> tupl
     return r_ends, z_ends[np.diff(z_ends, prepend=-np.inf) > SAME]
 
 
-def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
+def fixed_freedoms(tube: SmoothBody, grid: QuadrilateralGrid) -> NDArray[np.bool_]:
     """Return whether each degree of freedom ``(3 nodes,)`` of a tube's grid is fixed; nodes outside the tube are fixed."""
     beyond = np.ones(grid.r.size, dtype=bool)
-    beyond[grid.cells()[tube.solid(grid)].ravel()] = False
+    beyond[grid.element_nodes()[tube.filled_elements(grid)].ravel()] = False
     held = np.repeat(beyond, 3).reshape(*grid.shape, 3)
     if tube.held in ("low", "both"):
         held[0] = True
@@ -393,107 +411,117 @@ def fixed_freedoms(tube: Tube, grid: Grid) -> NDArray[np.bool_]:
     if tube.held == "bore":
         held[:, 0] = True
     if tube.held == "outer":
-        held[np.abs(grid.r - tube.outer) < SAME] = True
+        held[np.abs(grid.r - tube.outer_radius) < SAME] = True
     if tube.held == "flange" and tube.flange is not None:
         (low, high), (_, face, fit) = tube.flange.seat, tube.flange.stations(*tube.ends)
         held[(np.abs(grid.z - face) < SAME) & (grid.r > low - SAME) & (grid.r < high + SAME)] = True
         if tube.flange.bonded:
             between = (grid.z > min(face, fit) - SAME) & (grid.z < max(face, fit) + SAME)
-            held[(np.abs(grid.r - tube.outer) < SAME) & between] = True
+            held[(np.abs(grid.r - tube.outer_radius) < SAME) & between] = True
     return held.ravel()
 
 
-def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
+def tube_compliance(tube: SmoothBody, loaded_range: tuple[float, float]) -> SmoothBodyCompliance:
     """Return the compliance of a tube between the nodes at the contacts' radius, in all Fourier harmonics.
 
-    ``zone``: lower and upper end of the axial range that contains all contacts [m], over which the nodes are loaded.
+    ``loaded_range``: lower and upper end of the axial range that contains all contacts [m], over which the nodes are
+    loaded.
     """
     r_ends, line = radial_element_ends(tube)
-    grid = tube_grid(*add_element_ends_of_flange(tube, r_ends, axial_element_ends(tube, zone)))
+    grid = tube_grid(*add_element_ends_of_flange(tube, r_ends, axial_element_ends(tube, loaded_range)))
     z = grid.z[:, 0]
-    inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
+    inside = np.flatnonzero((z >= loaded_range[0] - 1e-9) & (z <= loaded_range[1] + 1e-9))
     first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
     rows = (first, last + 1)
-    body = tube.body(grid)
+    body = tube.finite_element_body(grid)
     held = fixed_freedoms(tube, grid)
-    springs = end_springs(tube) if tube.held == "section" else ()
+    springs = low_end_spring_stiffnesses(tube) if tube.held == "section" else ()
     by_harmonic = grid_line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
-    by_end = [S.whole()[size:] for S in by_harmonic[:2]] if springs else []
+    by_end = [S.full_matrix()[size:] for S in by_harmonic[:2]] if springs else []
     ends, corner = tuple(S[:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in by_end), tuple(S[:, size:] for S in by_end)
-    return TubeCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
+    return SmoothBodyCompliance(tube, z[rows[0] : rows[1]], tuple(by_harmonic), ends, corner)
 
 
-def motions_by_section_load(tube: Tube, zone: tuple[float, float], at: float) -> TubeCompliance:
+def shaft_motions_by_section_loads(
+    tube: SmoothBody, loaded_range: tuple[float, float], section_z: float
+) -> SmoothBodyCompliance:
     """Return the motions of a shaft's nodes at the contacts' radius by unit loads on one of its cross-sections.
 
     The motions are in the field ``ends`` of the result; its field ``line`` is empty. The shaft is fixed by the mean motions
     of its low-z end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the
-    axial position ``at`` [m]. ``zone``: lower and upper end of the axial range that contains all contacts [m].
+    axial position ``section_z`` [m]. ``loaded_range``: lower and upper end of the axial range that contains all contacts
+    [m].
     """
     r_ends, line = radial_element_ends(tube)
-    grid = tube_grid(r_ends, axial_element_ends(tube, zone))
-    body, z, half = tube.body(grid), grid.z[:, 0], min(SLICE * tube.outer, at - tube.ends[0], tube.ends[1] - at)
-    shares, levers = slice_mean_weights(z, at, half)
-    inertia, springs, ends = 0.25 * (tube.outer**2 + tube.bore**2), end_springs(tube), []
+    grid = tube_grid(r_ends, axial_element_ends(tube, loaded_range))
+    body, z, half = (
+        tube.finite_element_body(grid),
+        grid.z[:, 0],
+        min(SLICE * tube.outer_radius, section_z - tube.ends[0], tube.ends[1] - section_z),
+    )
+    shares, levers = slice_mean_weights(z, section_z, half)
+    inertia, springs, ends = 0.25 * (tube.outer_radius**2 + tube.bore_radius**2), low_end_spring_stiffnesses(tube), []
     for n, stiff in ((0, springs[2:]), (1, springs[:2])):
-        free, motions = body.freedoms_regular_on_axis(n), end_motions(body, n)
+        free, motions = body.freedoms_regular_on_axis(n), low_end_mean_motion_matrix(body, n)
         rows = shares[:, None, None] * motions
         if n == 1:
             rows[:, 1] = (inertia * rows[:, 1] + levers[:, None] * motions[0]) / (inertia + half**2 / 3.0)
-        bands, held = body.bands(free), motions[:, free[: motions.shape[1]]]
+        bands, held = body.stiffness_bands(free), motions[:, free[: motions.shape[1]]]
         i, j = np.tril_indices(held.shape[1])
         bands[0, i - j, j] += ((held.T * stiff) @ held)[i, j] / circumference_integral_factor(n)
         moved = np.zeros((free.size, 2))
-        moved[free] = solve_harmonic(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
+        moved[free] = solve_harmonic_displacements(bands, n, rows.swapaxes(1, 2).reshape(-1, 2)[free])
         ends.append(moved.reshape(*grid.shape, 3, 2)[:, line].T)
-    return TubeCompliance(tube, z, (), tuple(ends))
+    return SmoothBodyCompliance(tube, z, (), tuple(ends))
 
 
-def slice_mean_weights(z: Array, at: float, half: float) -> tuple[Array, Array]:
+def slice_mean_weights(z: Array, slice_middle: float, half_thickness: float) -> tuple[Array, Array]:
     """Return the nodes' weights for the mean of a field, then for its mean first moment, over a slice of a shaft ``(k,)``.
 
-    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half`` [m] to either side of ``at`` [m]. The first
-    weights give the mean of the field, the second ones the mean of the field times the distance from ``at`` [m]. Elements
-    are quadratic.
+    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half_thickness`` [m] to either side of ``slice_middle``
+    [m]. The first weights give the mean of the field, the second ones the mean of the field times the distance from
+    ``slice_middle`` [m]. Elements are quadratic.
     """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):
-        low, high = max(z[a], at - half), min(z[a + 2], at + half)
+        low, high = max(z[a], slice_middle - half_thickness), min(z[a + 2], slice_middle + half_thickness)
         if high > low:
             points = 0.5 * (low + high) + 0.5 * (high - low) * NODE
             N = quadratic_shape_functions(2.0 * (points - z[a]) / (z[a + 2] - z[a]) - 1.0)[0]
-            weight = WEIGHT * (high - low) / (4.0 * half)
-            out[:, a : a + 3] += np.stack([weight, weight * (points - at)]) @ N
+            weight = WEIGHT * (high - low) / (4.0 * half_thickness)
+            out[:, a : a + 3] += np.stack([weight, weight * (points - slice_middle)]) @ N
     return out[0], out[1]
 
 
-def end_springs(tube: Tube) -> tuple[float, float, float, float]:
+def low_end_spring_stiffnesses(tube: SmoothBody) -> tuple[float, float, float, float]:
     """Return the stiffnesses of the four springs that support the mean motions of a shaft's end at low z.
 
     They are, in order, those of lateral shift [N/m], tilt [N m], axial motion [N/m] and twist [N m].
     """
-    stiff = tube.material.youngs_modulus * tube.outer
-    return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
+    stiff = tube.material.youngs_modulus * tube.outer_radius
+    return stiff, stiff * tube.outer_radius**2, stiff, stiff * tube.outer_radius**2
 
 
-def gaussian_weights_on_line(z: Array, at: Array, width: float) -> Array:
+def gaussian_weights_on_line(z: Array, patch_middles: Array, width: float) -> Array:
     """Return the weights ``(c, k)`` of k nodes for c Gaussian load patches on an axial grid line.
 
-    ``z`` ``(k,)``: positions of the nodes [m]; ``at`` ``(c,)``: middles of the patches [m]; ``width``: standard deviation
-    of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
+    ``z`` ``(k,)``: positions of the nodes [m]; ``patch_middles`` ``(c,)``: middles of the patches [m]; ``width``: standard
+    deviation of the patches [m]. Elements are quadratic; the weights of a patch sum up to 1.
     """
     low, high = z[:-2:2], z[2::2]
     x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
-    density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * WEIGHT)
+    density = np.exp(-0.5 * ((x[None] - patch_middles[:, None, None]) / width) ** 2) * (
+        0.5 * (high - low)[:, None] * WEIGHT
+    )
     shares = density @ SHAPES
-    out = np.zeros((at.size, z.size))
+    out = np.zeros((patch_middles.size, z.size))
     for k in range(3):
         out[:, k : k + z.size - 2 : 2] += shares[:, :, k]
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
 
-def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
+def contact_compliance(compliance: SmoothBodyCompliance, points: ContactPoints, *, resultant: bool = True) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] of a tube between c contacts, each a Gaussian patch with two axes.
 
     ``compliance``: compliance of the tube's nodes; ``points``: positions and axes of the contacts.
@@ -509,19 +537,19 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
 
     tube, k, count = compliance.tube, compliance.z.size, points.z.size
     order = np.argsort(points.z, kind="stable")
-    azimuth, weights = points.azimuth[order], gaussian_weights_on_line(compliance.z, points.z[order], tube.width)
+    azimuth, weights = points.azimuth[order], gaussian_weights_on_line(compliance.z, points.z[order], tube.patch_width)
     weights[np.abs(weights) <= UNREACHED] = 0.0
     near, touched = csr_array(weights), weights != 0.0
     first, last = touched.argmax(axis=1), k - touched[:, ::-1].argmax(axis=1)  # lines of each contact, in order
     chunks = [slice(i, min(i + CHUNK, count)) for i in range(0, count, CHUNK)]
     total = [np.zeros((count, len(PARTS), x.stop - x.start)) for x in chunks]
-    for n, line in enumerate(compliance.line):
-        S = line.whole()[: 3 * k, : 3 * k].reshape(k, 3, k, 3)
-        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
+    for n, line in enumerate(compliance.line_compliance):
+        S = line.full_matrix()[: 3 * k, : 3 * k].reshape(k, 3, k, 3)
+        share = np.exp(-((n * tube.patch_width / tube.contact_radius) ** 2)) if n > 1 or not resultant else 1.0
         c, s = np.cos(n * azimuth), np.sin(n * azimuth)
         for loads, by_them in zip(chunks, total, strict=True):
             a, b = int(first[loads][0]), int(last[loads][-1])
-            low, high = (x // 3 for x in line.reach(3 * a, 3 * b))
+            low, high = (x // 3 for x in line.nonzero_row_range(3 * a, 3 * b))
             high = min(high, k)
             moves = slice(int(np.searchsorted(last, low, "right")), int(np.searchsorted(first, high, "left")))
             parts = np.stack([S[low:high, i, a:b, j] for i, j in PARTS], axis=1).reshape(-1, b - a)
@@ -545,20 +573,23 @@ def contact_compliance(compliance: TubeCompliance, points: Points, *, resultant:
     return np.asarray(0.5 * (square + square.T))
 
 
-def project_on_surface(tube: Tube, x: Array) -> Array:
-    """Return the contact points ``x`` (c, 3) [m], with those outside the tube's material moved radially to its surface."""
-    far = np.hypot(x[:, 0], x[:, 1])
-    return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
+def move_contacts_to_surface(tube: SmoothBody, contact_points: Array) -> Array:
+    """Return contact points (c, 3) [m], with those outside the tube's material moved radially to its surface."""
+    far = np.hypot(contact_points[:, 0], contact_points[:, 1])
+    return np.asarray(
+        contact_points
+        * np.stack([np.clip(far, tube.bore_radius, tube.outer_radius) / far] * 2 + [np.ones(len(contact_points))], axis=1)
+    )
 
 
-def contact_motions_by_rigid_motions(x: Array, axes: Array, origin: float | None = None) -> Array:
+def contact_motions_by_rigid_motions(contact_points: Array, axes: Array, origin: float | None = None) -> Array:
     """Return the motions ``(2 c, 6)`` of c contacts along two axes each by six unit rigid motions of a cross-section.
 
-    ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``: axial position of
-    the section's centre [m], None for the axial position of each contact. The rigid motions are three translations along
-    x, y, z, then three rotations about these axes.
+    ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of their motions; ``origin``:
+    axial position of the section's centre [m], None for the axial position of each contact. The rigid motions are three
+    translations along x, y, z, then three rotations about these axes.
     """
-    arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
+    arm = contact_points * np.array([1.0, 1.0, 0.0]) if origin is None else contact_points - np.array([0.0, 0.0, origin])
     out = np.empty((*axes.shape[:2], 6))
     out[..., :3] = axes
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # the cross product of arm and axis
@@ -566,25 +597,25 @@ def contact_motions_by_rigid_motions(x: Array, axes: Array, origin: float | None
     return out.reshape(-1, 6)
 
 
-def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
+def low_end_spring_compliance(tube: SmoothBody, contact_points: Array, axes: Array) -> Array:
     """Return the compliance ``(2 c, 2 c)`` [m/N] between c contacts that is due to the springs at a shaft's end at low z.
 
-    The springs are those of `end_springs`. ``x`` ``(c, 3)``: contact points [m]; ``axes`` ``(c, 2, 3)``: directions of
-    their motions.
+    The springs are those of `low_end_spring_stiffnesses`. ``contact_points`` ``(c, 3)``: contact points [m]; ``axes`` ``(c,
+    2, 3)``: directions of their motions.
     """
-    shift, tilt, axial, twist = end_springs(tube)
-    rows = contact_motions_by_rigid_motions(x, axes, tube.ends[0])
+    shift, tilt, axial, twist = low_end_spring_stiffnesses(tube)
+    rows = contact_motions_by_rigid_motions(contact_points, axes, tube.ends[0])
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
 
 
 def cantilever_compliance(
-    rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)
+    rigid_motion_rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)
 ) -> Array:
     """Return the compliance ``(k, m)`` of a Timoshenko cantilever: k motions of points on it by m unit loads along them.
 
     Parameters
     ----------
-    rows
+    rigid_motion_rows
         Displacement of each of the k points by six unit rigid motions of its cross-section ``(k, 6)``
         (`contact_motions_by_rigid_motions`).
     stations
@@ -596,10 +627,14 @@ def cantilever_compliance(
     loaded
         Selection of the m motions along which unit loads act.
     """
-    left, shift, turn = (stations - base)[:, None], rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
-    yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
-    by = np.arange(len(rows))[loaded]
-    out = np.empty((len(rows), by.size))
+    left, shift, turn = (
+        (stations - base)[:, None],
+        rigid_motion_rows[:, :2],
+        rigid_motion_rows[:, [4, 3]] * np.array([1.0, -1.0]),
+    )
+    yielding = rigid_motion_rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
+    by = np.arange(len(rigid_motion_rows))[loaded]
+    out = np.empty((len(rigid_motion_rows), by.size))
     for first in range(0, by.size, CHUNK):
         chunk = by[first : first + CHUNK]
         right = left[chunk, 0]
@@ -609,53 +644,56 @@ def cantilever_compliance(
         ur = (left * m - m1) / section.EI  # deflection by a moment
         ru = (right * m - m1) / section.EI
         G = uu * (shift @ shift[chunk].T) + ur * (shift @ turn[chunk].T) + ru * (turn @ shift[chunk].T)
-        out[:, first : first + CHUNK] = G + m * (yielding @ rows[chunk, 2:].T)
+        out[:, first : first + CHUNK] = G + m * (yielding @ rigid_motion_rows[chunk, 2:].T)
     return out
 
 
-def compliance_of_local_groove_strains(section_strain_motions: Array, rows: Array, stations: Array, base: float) -> Array:
+def compliance_of_local_groove_strains(
+    section_strain_motions: Array, rigid_motion_rows: Array, stations: Array, base: float
+) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a beam that is due to additional strains at its grooves.
 
     ``section_strain_motions`` ``(k, 6)``: motion of each point by a unit wrench (three forces, three moments) that its
     cross-section transmits, which is the resultant of all loads beyond the section and of half the loads in it. By
     reciprocity a load at a section also moves all points beyond that section. ``base``: axial position at which the beam is
-    fixed [m]; ``rows``, ``stations``: see `cantilever_compliance`.
+    fixed [m]; ``rigid_motion_rows``, ``stations``: see `cantilever_compliance`.
     """
     reach, side = stations[:, None] - stations, np.sign(stations - base)
-    moved = rows @ section_strain_motions.T + reach * (
-        np.outer(rows[:, 0], section_strain_motions[:, 4]) - np.outer(rows[:, 1], section_strain_motions[:, 3])
+    moved = rigid_motion_rows @ section_strain_motions.T + reach * (
+        np.outer(rigid_motion_rows[:, 0], section_strain_motions[:, 4])
+        - np.outer(rigid_motion_rows[:, 1], section_strain_motions[:, 3])
     )
     moved *= side * np.heaviside(reach * side, 0.5)
     return np.asarray(moved + moved.T)
 
 
 def clamped_beam_compliance(
-    rows: Array,
+    rigid_motion_rows: Array,
     stations: Array,
     ends: tuple[float, float],
-    held: str,
+    clamped_ends: str,
     section: BeamSection,
     section_strain_motions: Array | None = None,
 ) -> Array:
     """Return the compliance ``(k, k)`` [m/N] between k points of a Timoshenko beam that is clamped at one or both ends.
 
-    ``rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end [m];
-    ``held``: clamped ends, "low", "high" or "both"; ``section_strain_motions``: local motions at grooves, see
+    ``rigid_motion_rows``, ``stations``: see `cantilever_compliance`; ``ends``: axial positions of the low and the high end
+    [m]; ``clamped_ends``: clamped ends, "low", "high" or "both"; ``section_strain_motions``: local motions at grooves, see
     `compliance_of_local_groove_strains`, None to neglect them.
     """
     low, high = ends
-    if held != "both":
-        base = low if held == "low" else high
-        G = cantilever_compliance(rows, stations, base, section)
+    if clamped_ends != "both":
+        base = low if clamped_ends == "low" else high
+        G = cantilever_compliance(rigid_motion_rows, stations, base, section)
         return (
             G
             if section_strain_motions is None
-            else G + compliance_of_local_groove_strains(section_strain_motions, rows, stations, base)
+            else G + compliance_of_local_groove_strains(section_strain_motions, rigid_motion_rows, stations, base)
         )
-    rows, stations = np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high))
-    G, k = cantilever_compliance(rows, stations, low, section), len(rows) - 6
+    rigid_motion_rows, stations = np.concatenate([rigid_motion_rows, np.eye(6)]), np.append(stations, np.full(6, high))
+    G, k = cantilever_compliance(rigid_motion_rows, stations, low, section), len(rigid_motion_rows) - 6
     if section_strain_motions is not None:
         G += compliance_of_local_groove_strains(
-            np.concatenate([section_strain_motions, np.zeros((6, 6))]), rows, stations, low
+            np.concatenate([section_strain_motions, np.zeros((6, 6))]), rigid_motion_rows, stations, low
         )
     return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))

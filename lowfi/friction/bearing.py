@@ -21,15 +21,15 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.equilibrium import (
     BodyMotion,
+    BodyMotionProblem,
     ContactLoadSolution,
-    MotionProblem,
     least_dissipation,
     motion_by_root,
     motion_by_sharpened_sigmoids,
     solve_contact_loads,
 )
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, Sigmoid, contacts_from_values
+from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, GrooveHertzConstants, ScrewGroove, section_axes
 from rollbench.lowfi.friction.screw.motion import (
     BallsBetweenGrooves,
@@ -65,7 +65,7 @@ class Bearing(ScrewGroove):
     clearance: float = frozen_default(0.0)
 
     @cached_property
-    def constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> GrooveHertzConstants:
         """Hertz constants of the four contacts of a ball at the nominal contact angle.
 
         The radius of the groove along the ring is that of a helical groove at zero lead, (R_P - R_B cos beta)/cos beta on
@@ -73,7 +73,7 @@ class Bearing(ScrewGroove):
         angle beta. If ``hertz`` is "as printed", the constants are those of a screw.
         """
         if self.hertz != "right":
-            return super().constants
+            return super().contact_hertz_constants
         cos, ball = np.cos(self.contact_angle), 1.0 / self.ball_radius
         inner, outer = (self.pitch_radius + s * self.ball_radius * cos for s in (-1.0, 1.0))
         modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
@@ -91,18 +91,18 @@ class BearingBallSolution:
     #: Contact loads and angles.
     load: ContactLoadSolution
     #: Ellipses, loads and friction coefficients of the contacts.
-    at: Contacts
+    contacts: EllipticalContacts
     #: Contacts, kinematics and forces that determine the ball's motion.
-    problem: MotionProblem
+    problem: BodyMotionProblem
     #: Motion and friction of the ball.
     motion: BodyMotion
     #: Torque on the inner ring that keeps it rotating against the friction of this ball [N m].
-    torque: float
+    inner_ring_torque: float
 
     @property
     def input_power(self) -> float:
         """Power that drives the inner ring, torque times speed [W]; in equilibrium it equals the friction loss."""
-        return self.torque * self.bearing.screw_speed
+        return self.inner_ring_torque * self.bearing.screw_speed
 
 
 def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacement: float) -> ContactLoadSolution:
@@ -131,21 +131,21 @@ def contact_loads_of_ball(bearing: Bearing, axial_force: float, radial_displacem
     Lin (2019), 3.2.2: groove centres at the nominal contact angle.
     """
     normals = np.stack([AXIAL * np.sin(bearing.contact_angle), RADIAL * np.cos(bearing.contact_angle)], axis=1)
-    cell = CellArrays(
-        start=bearing.reach * normals[None],
+    cell = BallContactArrays(
+        groove_to_ball_vectors=bearing.groove_ball_centre_distance * normals[None],
         interference=np.full((1, 4), -bearing.clearance),
-        C=np.ascontiguousarray(bearing.constants.C),
-        section=np.array([[[1.0], [0.0]]]),
-        offset=np.array([[0.0, radial_displacement]]),
-        push=np.zeros((1, 2)),
-        pull=np.array([axial_force]),
-        reach=bearing.reach,
+        C=np.ascontiguousarray(bearing.contact_hertz_constants.C),
+        inner_displacement_maps=np.array([[[1.0], [0.0]]]),
+        given_inner_displacement=np.array([[0.0, radial_displacement]]),
+        ball_forces=np.zeros((1, 2)),
+        inner_body_forces=np.array([axial_force]),
+        groove_ball_centre_distance=bearing.groove_ball_centre_distance,
     )
     approach = float(np.max(cell.C)) * max(abs(axial_force), 1e-6) ** (2.0 / 3.0)
     way = float(np.sign(axial_force)) * (approach + max(bearing.clearance, 0.0) + abs(radial_displacement))
     start = np.array([[2.0 * way, 0.5 * radial_displacement]]), np.array([4.0 * way])
     found = solve_contact_loads(cell, abs(axial_force), *start, lambda n: np.arctan2(np.abs(n[..., 0]), np.abs(n[..., 1])))
-    return replace(found, force=found.force[0], angle=found.angle[0], ball=found.ball[0])
+    return replace(found, force=found.force[0], angle=found.angle[0], ball_displacements=found.ball_displacements[0])
 
 
 def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
@@ -165,11 +165,11 @@ def contact_kinematics(bearing: Bearing, angles: Array) -> tuple[Array, Array]:
     ----------
     Rederived from Lin 3.4 to 3.9; corrects the signs of 3.13 (compare F.1 to F.3).
     """
-    maps, drives = bearing.maps(bearing.normals(angles[AROUND]))
+    maps, drives = bearing.contact_kinematics(bearing.normals(angles[AROUND]))
     return maps[AROUND][..., TURNS], drives[AROUND]
 
 
-def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
+def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> EllipticalContacts:
     """Return ellipses, loads and friction coefficients of a ball's contacts.
 
     A contact without load gets a tiny ellipse, so that its semi-axes are not zero.
@@ -181,12 +181,12 @@ def ball_contacts(bearing: Bearing, load: ContactLoadSolution) -> Contacts:
     load
         Contact loads and angles of the ball.
     """
-    h = bearing.constants
+    h = bearing.contact_hertz_constants
     cube = np.cbrt(np.maximum(load.force, max(1e-9 * float(np.max(load.force)), 1e-30)))
     return contacts_from_values(h.C_a * cube, h.C_b * cube, load.force, bearing.mu)
 
 
-def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contacts) -> MotionProblem:
+def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: EllipticalContacts) -> BodyMotionProblem:
     """Return the contacts, kinematics and forces that determine a ball's motion at given contact loads and angles.
 
     The unknowns are the orbital speed omega_B and the ball's rotation omega_x about the bearing's axis and omega_y
@@ -203,7 +203,12 @@ def ball_motion_problem(bearing: Bearing, load: ContactLoadSolution, at: Contact
         Contacts of the ball, by `ball_contacts`.
     """
     maps, drives = contact_kinematics(bearing, load.angle)
-    return MotionProblem(at=at, maps=np.ascontiguousarray(maps[..., :3]), drives=drives, push=np.zeros(3))
+    return BodyMotionProblem(
+        contacts=at,
+        contact_motion_maps=np.ascontiguousarray(maps[..., :3]),
+        imposed_contact_motions=drives,
+        other_forces=np.zeros(3),
+    )
 
 
 def inner_ring_torque(bearing: Bearing, load: ContactLoadSolution, motion: BodyMotion) -> float:
@@ -252,7 +257,7 @@ def solve_ball_of_bearing(
 
 
 def solve_ball_by_lin_method(
-    bearing: Bearing, axial_force: float, radial_displacement: float, law: Sigmoid, fast: bool = False
+    bearing: Bearing, axial_force: float, radial_displacement: float, law: SigmoidLaw, fast: bool = False
 ) -> BearingBallSolution:
     """Return the contact loads and the motion of one ball of a bearing by Lin's method, errors in its equations included.
 
@@ -274,14 +279,14 @@ def solve_ball_by_lin_method(
         Whether to use the compiled functions instead of plain Python.
     """
     least = solve_ball_of_bearing(replace(bearing, hertz="as printed"), axial_force, radial_displacement, fast)
-    motion = motion_by_root(least.problem, law, least.motion.q, fast)
+    motion = motion_by_root(least.problem, law, least.motion.unknown_velocities, fast)
     if motion.status != "exact":
-        motion = motion_by_sharpened_sigmoids(least.problem, law, least.motion.q, fast)
-    return replace(least, motion=motion, torque=motion.loss / bearing.screw_speed)
+        motion = motion_by_sharpened_sigmoids(least.problem, law, least.motion.unknown_velocities, fast)
+    return replace(least, motion=motion, inner_ring_torque=motion.loss / bearing.screw_speed)
 
 
 def solve_ball_over_displacements(
-    bearing: Bearing, axial_force: float, radial_displacements: Array, law: Sigmoid | None = None
+    bearing: Bearing, axial_force: float, radial_displacements: Array, law: SigmoidLaw | None = None
 ) -> list[BearingBallSolution]:
     """Return contact loads and friction of one ball for several radial displacements of the inner ring (Lin's Figure 3.7).
 
@@ -363,7 +368,7 @@ class BearingState:
     #: Friction torque on the inner ring, which is the power lost over the angular speed [N m].
     torque: float
     #: Number of loaded contacts of each ball ``(N,)``.
-    points: NDArray[np.int64]
+    loaded_contact_counts: NDArray[np.int64]
     #: Power that drives the inner ring [W].
     input_power: float
     #: Whether the loads and the motions of all balls converged.
@@ -400,7 +405,7 @@ def bearing_geometry_and_load(case: BearingCase, force_angle: float) -> BallsBet
     force = case.force * np.array([np.sin(force_angle), 0.0, np.cos(force_angle)])
     if case.tilt:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
-    interference = np.where(has, -case.clearance, -2.0 * g.reach)
+    interference = np.where(has, -case.clearance, -2.0 * g.groove_ball_centre_distance)
     return balls_without_friction(g, np.full(has.shape, g.contact_angle), interference, rows, force)
 
 
@@ -418,12 +423,12 @@ def describe_unresisted_motion(case: BearingCase, force_angle: float) -> str:
     """
     cell, beta = bearing_geometry_and_load(case, force_angle), case.groove.contact_angle
     normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]
-    has = cell.interference[:, ON_SCREW] > -case.groove.reach
+    has = cell.interference[:, ON_SCREW] > -case.groove.groove_ball_centre_distance
     resists = np.einsum("sx,nxm->nsm", normal, cell.section_displacement_maps)[has]
     _, size, v = np.linalg.svd(resists, full_matrices=True)
     null = v[int(np.sum(size > RANK * size.max(initial=0.0))) :]
-    drive = null @ cell.force
-    if not np.abs(drive).max(initial=0.0) > RANK * float(np.linalg.norm(cell.force)):
+    drive = null @ cell.external_screw_force
+    if not np.abs(drive).max(initial=0.0) > RANK * float(np.linalg.norm(cell.external_screw_force)):
         return ""
     motion = np.abs(drive @ null)
     parts = [name for name, share in zip(UNKNOWNS, motion, strict=False) if share > RANK * motion.max()]
@@ -447,7 +452,8 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
     Lin (2019), 4.3.1.
     """
     load = solve_screw_contact_loads(
-        bearing_geometry_and_load(case, force_angle), None if near is None else (near.load.ball, near.load.inner)
+        bearing_geometry_and_load(case, force_angle),
+        None if near is None else (near.load.ball_displacements, near.load.inner_body_displacements),
     )
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
@@ -460,14 +466,14 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
         load=load,
         loss=loss,
         torque=float(loss.sum()) / speed,
-        points=np.sum(load.force > 0.0, axis=1),
+        loaded_contact_counts=np.sum(load.force > 0.0, axis=1),
         input_power=power,
         converged=good,
     )
 
 
 @dataclass(frozen=True)
-class TorqueCurve:
+class BearingTorqueCurve:
     """Friction torque of a bearing at several angles of its load (Figure 4.7 of Lin's thesis)."""
 
     #: Angles of the force from the axis ``(n,)`` [rad].
@@ -475,12 +481,12 @@ class TorqueCurve:
     #: Friction torques ``(n,)`` [N m].
     torque: Array
     #: Number of balls with more than two loaded contacts ``(n,)``.
-    four: NDArray[np.int64]
+    balls_beyond_two_contacts: NDArray[np.int64]
     #: Whether each state converged ``(n,)``.
     converged: NDArray[np.bool_]
 
     @property
-    def ratio(self) -> float:
+    def largest_over_smallest_torque(self) -> float:
         """Ratio of the largest to the smallest torque."""
         return float(self.torque.max() / self.torque.min())
 
@@ -503,7 +509,7 @@ def solve_bearing_over_force_angles(case: BearingCase, force_angles: Array) -> l
     return states
 
 
-def torque_over_force_angles(case: BearingCase, force_angles: Array) -> TorqueCurve:
+def torque_over_force_angles(case: BearingCase, force_angles: Array) -> BearingTorqueCurve:
     """Return the friction torque of a bearing at several angles of the force from its axis (Figure 4.7 of Lin's thesis).
 
     Parameters
@@ -514,9 +520,9 @@ def torque_over_force_angles(case: BearingCase, force_angles: Array) -> TorqueCu
         Angles of the force from the axis, ``(n,)`` [rad].
     """
     states = solve_bearing_over_force_angles(case, force_angles)
-    return TorqueCurve(
+    return BearingTorqueCurve(
         angle=np.asarray(force_angles, dtype=float),
         torque=np.array([s.torque for s in states]),
-        four=np.array([int(np.sum(s.points > 2)) for s in states]),
+        balls_beyond_two_contacts=np.array([int(np.sum(s.loaded_contact_counts > 2)) for s in states]),
         converged=np.array([s.converged for s in states]),
     )

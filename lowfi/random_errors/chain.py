@@ -100,7 +100,7 @@ class BallScrewChain:
             raise ValueError(f"{self.balls - 1} distances between neighbouring balls are needed, none of them negative")
 
     @property
-    def segments(self) -> Array:
+    def segment_compliances(self) -> Array:
         """Compliance of screw and nut between each ball and the preceding one ``(M,)`` [m/N]; zero for the first ball."""
         return self.compliance * np.array([0.0, *(self.spacing or (1.0,) * (self.balls - 1))])
 
@@ -119,7 +119,7 @@ class BallScrewChain:
         return float(self.stiffness ** (-2.0 / 3.0))
 
     @property
-    def slope(self) -> float:
+    def approach_per_motion(self) -> float:
         """Ratio of a ball's approach to the axial motion of the nut without load, sin(a_0) cos(lead angle).
 
         a_0 is the contact angle without load.
@@ -128,7 +128,7 @@ class BallScrewChain:
 
 
 @dataclass(frozen=True)
-class ChainState:
+class BallScrewState:
     """Contact loads, motions and stiffness of one ball screw with random errors under one axial load."""
 
     #: Contact loads Q ``(M,)`` [N].
@@ -136,7 +136,7 @@ class ChainState:
     #: Axial motions u of the nut relative to the screw at the balls ``(M,)`` [m].
     motion: Array
     #: Axial motion of the nut at which the ball with the largest error comes into contact first [m].
-    touch: float
+    first_contact_motion: float
     #: Axial stiffness dF/du_1, the derivative of the axial load F by the motion u_1 at ball 1, where the load acts [N/m].
     stiffness: float
     #: Number of Newton steps.
@@ -147,14 +147,14 @@ class ChainState:
     converged: bool
 
     @property
-    def loaded(self) -> int:
+    def loaded_balls(self) -> int:
         """Number of loaded balls."""
         return int(np.count_nonzero(self.load > 0.0))
 
     @property
     def displacement(self) -> float:
         """Axial motion of the nut at ball 1, where the load acts, since the first contact of any ball [m]."""
-        return float(self.motion[0] - self.touch)
+        return float(self.motion[0] - self.first_contact_motion)
 
     @property
     def displacement_first_loaded(self) -> float:
@@ -162,10 +162,10 @@ class ChainState:
 
         It does not contain the stretch of screw and nut before this ball.
         """
-        return float(self.motion[int(np.argmax(self.load > 0.0))] - self.touch)
+        return float(self.motion[int(np.argmax(self.load > 0.0))] - self.first_contact_motion)
 
 
-def check_errors(chain: BallScrewChain, errors: Array) -> Array:
+def checked_ball_errors(chain: BallScrewChain, errors: Array) -> Array:
     """Check number and size of the errors of M balls ``(..., M)`` [m], and return them as a contiguous array of floats.
 
     Raises
@@ -186,7 +186,7 @@ def check_errors(chain: BallScrewChain, errors: Array) -> Array:
     return e
 
 
-def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
+def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compiled: bool = False) -> BallScrewState:
     """Return contact loads, motions and stiffness of a ball screw with errors under an axial load.
 
     The results are valid for approaches that are small against the distance of the groove centres.
@@ -222,12 +222,14 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
     """
     if not 0.0 < load < np.inf:
         raise ValueError(f"the axial load on the ball screw must be positive and finite, got {load} N")
-    e, u, work = check_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
+    e, u, work = checked_ball_errors(chain, errors), np.empty(chain.balls), np.empty((3, chain.balls))
     k = load_kernel_package(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
-    steps, residual, stiffness = k.solve_by_newton(e, float(load), chain.segments, law, chain.kernel_parameters, u, work)
+    steps, residual, stiffness = k.solve_by_newton(
+        e, float(load), chain.segment_compliances, law, chain.kernel_parameters, u, work
+    )
     touch = float(axial_motion_at_touch(chain, e.max()))
-    return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
+    return BallScrewState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
 
 
 def last_to_first_load_ratio(chain: BallScrewChain, load: float) -> float:
@@ -267,8 +269,8 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
             f"needed, got {chain.balls}"
         )
     # scale: compliance at which the bodies stretch as much as a ball approaches, if all balls carry the same load
-    share = load / (chain.balls * chain.slope)
-    size = 2.0 * float(contact_approach(share, chain.C)) / (chain.slope * load * chain.balls)
+    share = load / (chain.balls * chain.approach_per_motion)
+    size = 2.0 * float(contact_approach(share, chain.C)) / (chain.approach_per_motion * load * chain.balls)
     high = size
     while last_to_first_load_ratio(replace(chain, compliance=high), load) > ratio:
         high *= 4.0
@@ -299,7 +301,7 @@ def load_at_which_ball_is_loaded(chain: BallScrewChain, errors: Array, ball: int
     ValueError
         The ball still carries no load at the axial load ``largest_load``.
     """
-    e = check_errors(chain, errors)
+    e = checked_ball_errors(chain, errors)
 
     def gap(load: float) -> float:
         """Return the axial motion at the ball less that at which it just touches [m]; negative if it has no contact."""
@@ -321,7 +323,7 @@ def axial_motion_at_touch(chain: BallScrewChain, error: Array | float) -> Array:
     """
     e = np.asarray(error, dtype=float)
     if chain.law != "exact":
-        return -e / chain.slope
+        return -e / chain.approach_per_motion
     a, angle = chain.groove_distance, chain.contact_angle
     return np.asarray((np.sqrt((a - e) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))
 
@@ -338,7 +340,7 @@ CHUNK = 8192
 
 
 @dataclass(frozen=True)
-class Ensemble:
+class ScrewEnsemble:
     """Results for n ball screws of one design with random errors, each solved under L axial loads."""
 
     #: Axial loads ``(L,)`` [N].
@@ -407,18 +409,24 @@ def solve_screws_with_errors(chain: BallScrewChain, errors: Array, loads: Array)
     f = np.ascontiguousarray(loads, dtype=float)
     if f.ndim != 1 or f.size == 0 or not np.all((f > 0.0) & np.isfinite(f)):
         raise ValueError(f"all axial loads on the ball screws must be positive and finite, got {f.tolist()} N")
-    e = check_errors(chain, errors)
+    e = checked_ball_errors(chain, errors)
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = load_kernel_package(RANDOM_ERRORS, compiled=True)
-    k.solve_batch(e, f, chain.segments, LAWS.index(chain.law), chain.kernel_parameters, out)
+    k.solve_batch(e, f, chain.segment_compliances, LAWS.index(chain.law), chain.kernel_parameters, out)
     at = QUANTITIES.index("displacement")
     out[..., at : at + 2] -= np.asarray(axial_motion_at_touch(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]
 
 
 def solve_ensemble(
-    chain: BallScrewChain, half_range: float, loads: Array | list[float], members: int, *, seed: int = 0, chunk: int = CHUNK
-) -> Ensemble:
+    chain: BallScrewChain,
+    half_range: float,
+    loads: Array | list[float],
+    screw_count: int,
+    *,
+    seed: int = 0,
+    chunk: int = CHUNK,
+) -> ScrewEnsemble:
     """Return results for many ball screws of one design with random errors under several loads.
 
     Memory is needed for the errors of one chunk of screws, and for six numbers for each screw and load.
@@ -431,7 +439,7 @@ def solve_ensemble(
         Largest absolute value of the random errors, which are uniformly distributed [m].
     loads
         Axial loads ``(L,)`` [N].
-    members
+    screw_count
         Number of screws.
     seed
         Seed of the random numbers.
@@ -443,21 +451,21 @@ def solve_ensemble(
     ValueError
         The number of screws or the chunk is not positive, or errors as in `solve_screws_with_errors`.
     """
-    if members < 1 or chunk < 1 or half_range < 0.0:
+    if screw_count < 1 or chunk < 1 or half_range < 0.0:
         raise ValueError(
             "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative, "
-            f"got members {members}, chunk {chunk}, half_range {half_range} m"
+            f"got members {screw_count}, chunk {chunk}, half_range {half_range} m"
         )
     f = np.asarray(loads, dtype=float)
-    kept, worst, failed = np.empty((members, f.size, len(QUANTITIES))), 0.0, 0
+    kept, worst, failed = np.empty((screw_count, f.size, len(QUANTITIES))), 0.0, 0
     tolerance = load_kernel_package(RANDOM_ERRORS, compiled=False).TOLERANCE
-    for first in range(0, members, chunk):
-        count = min(chunk, members - first)
+    for first in range(0, screw_count, chunk):
+        count = min(chunk, screw_count - first)
         errors = draw_uniform_errors(seed, first, count, chain.balls, half_range)
         kept[first : first + count], residual = solve_screws_with_errors(chain, errors, f)
         worst = max(worst, float(residual.max()))
         failed += int(np.count_nonzero((residual > tolerance).any(axis=1)))
-    return Ensemble(f, kept, worst, failed)
+    return ScrewEnsemble(f, kept, worst, failed)
 
 
 @dataclass(frozen=True)
@@ -472,17 +480,17 @@ class PercentileRank:
     size: int
 
     @property
-    def middle(self) -> float:
+    def percent(self) -> float:
         """Percentile rank of the number [%], for which values of the sample equal to it count half."""
         return 50.0 * (self.below + self.at_most)
 
     @property
-    def error(self) -> float:
+    def standard_error(self) -> float:
         """Standard error of the percentile rank [%].
 
         By the rule of succession, it is never zero.
         """
-        p = (0.01 * self.middle * self.size + 1.0) / (self.size + 2.0)
+        p = (0.01 * self.percent * self.size + 1.0) / (self.size + 2.0)
         return float(100.0 * np.sqrt(p * (1.0 - p) / self.size))
 
     @property
@@ -503,7 +511,7 @@ class PercentileRank:
         return float((p + z * z / (2 * n) + z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n))
 
 
-def percentile_rank(sample: Array, value: float, width: float = 0.0) -> PercentileRank:
+def percentile_rank(sample: Array, value: float, rounding_error: float = 0.0) -> PercentileRank:
     """Return the percentile rank of a number in a sample.
 
     Parameters
@@ -512,7 +520,9 @@ def percentile_rank(sample: Array, value: float, width: float = 0.0) -> Percenti
         Values of the sample ``(n,)``.
     value
         The number, in the unit of the sample.
-    width
+    rounding_error
         Rounding error of the number; values of the sample that differ from the number by no more count as equal.
     """
-    return PercentileRank(float(np.mean(sample < value - width)), float(np.mean(sample <= value + width)), sample.size)
+    return PercentileRank(
+        float(np.mean(sample < value - rounding_error)), float(np.mean(sample <= value + rounding_error)), sample.size
+    )

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
-from rollbench.lowfi.random_errors.chain import BallScrewChain, check_errors
+from rollbench.lowfi.random_errors.chain import BallScrewChain, checked_ball_errors
 from rollbench.meshes.arrays import Array
 
 #: Largest number of Newton steps in a round of the elimination, and largest number of halvings of a step.
@@ -37,11 +37,11 @@ class EliminationResult:
     """Contact loads of M balls by Liu's elimination algorithm, with its numbers of steps."""
 
     #: Contact loads ``(M,)`` [N].
-    load: Array
+    contact_loads: Array
     #: Number of rounds, in each of which balls without contact are removed.
     rounds: int
     #: Number of Newton steps in all rounds.
-    steps: int
+    newton_steps: int
     #: Whether Newton's method converged in every round.
     converged: bool
 
@@ -100,7 +100,7 @@ def _equations_and_jacobian(
     force, rate = _axial_forces(chain, errors, approach)
     motion, slope = _axial_motion_of_approach(chain, errors, approach)
     n = remaining.size
-    spring = 1.0 / np.diff(np.cumsum(chain.segments)[remaining])
+    spring = 1.0 / np.diff(np.cumsum(chain.segment_compliances)[remaining])
     value, jacobian = load - np.cumsum(force), -np.tril(np.broadcast_to(rate, (n, n)))
     value[:-1] -= spring * (motion[:-1] - motion[1:])
     k = np.arange(n - 1)
@@ -166,8 +166,8 @@ def solve_by_elimination(chain: BallScrewChain, errors: Array, load: float) -> E
             "Liu's elimination algorithm needs a compliance of screw and nut and an axial load, both above zero, "
             f"got {chain.compliance} m/N and {load} N"
         )
-    e = check_errors(chain, errors)
-    share = float(contact_approach(load / (chain.balls * chain.slope), chain.C))
+    e = checked_ball_errors(chain, errors)
+    share = float(contact_approach(load / (chain.balls * chain.approach_per_motion), chain.C))
     at = np.arange(chain.balls)
     approach, steps, done = np.full(chain.balls, share), 0, True
     rounds = 0

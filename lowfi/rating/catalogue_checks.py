@@ -36,7 +36,7 @@ from math import atan, cos, pi, sin, sqrt, tan
 import numpy as np
 
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Friction, Scene, Support, Track
 from rollbench.meshes.quantity import quantity_field, result_record
@@ -100,18 +100,20 @@ class ShaftLimits:
     )
 
     @property
-    def warnings(self) -> list[Warned]:
+    def warnings(self) -> list[ResultWarning]:
         """Warnings if the scene exceeds the permissible compression or speed of the shaft."""
         found = []
         if self.compression > self.allowed_load:
             words = f"{self.compression:.4g} N compress {1e3 * self.length:.4g} mm of shaft with the ends {self.ends}"
             text = f"{words}; makers allow {self.allowed_load:.4g} N, half of the buckling load"
-            found.append(Warned("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N"))
+            found.append(
+                ResultWarning("buckling", text, f"compression {self.compression:.4g} N, above {self.allowed_load:.4g} N")
+            )
         if self.speed is not None and self.speed > self.allowed_speed:
             turns, most, critical = (x * 30.0 / pi for x in (self.speed, self.allowed_speed, self.critical))
             words = f"the shaft turns at {turns:.4g} rpm; {most:.4g} rpm are allowed"
             text = f"{words}, by the critical speed of {critical:.4g} rpm and by the DN value"
-            found.append(Warned("speed", text, f"{turns:.4g} rpm, above {most:.4g} rpm"))
+            found.append(ResultWarning("speed", text, f"{turns:.4g} rpm, above {most:.4g} rpm"))
         return found
 
 
@@ -122,7 +124,7 @@ def root_diameter(scene: Scene) -> float:
     return 2.0 * (track.pitch_radius + slack * cos(track.contact_angle) - deep)
 
 
-def free_lengths(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
+def free_lengths_with_supports(scene: Scene) -> list[tuple[float, tuple[str, str]]]:
     """Return the lengths of a screw shaft between bearings, each with its end supports: "fixed", "supported" or "free".
 
     A bearing that fixes both lateral displacements supports the shaft. The first or last bearing is a fixed end if it also
@@ -216,7 +218,7 @@ def shaft_limits(scene: Scene, result: StaticResult) -> ShaftLimits | None:
         Limits of the weakest free length. None for bearings, for a shaft that no bearing fixes laterally, and for a shaft
         that tilts freely about its only bearing.
     """
-    spans = [(x, ends) for x, ends in free_lengths(scene) if ends in FACTORS and x > 0.0]
+    spans = [(x, ends) for x, ends in free_lengths_with_supports(scene) if ends in FACTORS and x > 0.0]
     if scene.track.lead == 0.0 or not spans:
         return None
     root, track = root_diameter(scene), scene.track
@@ -273,7 +275,7 @@ def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
     return tan(phi) / tan(phi + atan(coefficient))
 
 
-def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> list[Warned]:
+def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> list[ResultWarning]:
     """Return a warning if a scene's coefficient of sliding friction is as small as overall coefficients of catalogues.
 
     The list is empty if there is nothing to warn of.
@@ -301,4 +303,4 @@ def warn_of_overall_friction_coefficient(track: Track, friction: Friction) -> li
         f"{brief}; in contacts it is about 0.1 with grease, less with a full film: if an overall coefficient was meant, "
         "friction torque and losses are several times too small"
     )
-    return [Warned("coefficient", text, brief)]
+    return [ResultWarning("coefficient", text, brief)]

@@ -26,13 +26,23 @@ import numpy as np
 
 from rollbench.lowfi.rating.life import dynamic_rating, is_thrust_bearing, name_life_standard
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, roller_contacts, slice_middles, tapered_bearing
-from rollbench.lowfi.statics.contacts import curvature_changes, error_free_hertz, nominal_curvatures, own_hertz
+from rollbench.lowfi.rollers import (
+    half_widths_and_pressures_of_slices,
+    roller_line_contacts,
+    slice_middles,
+    tapered_bearing_of_row,
+)
+from rollbench.lowfi.statics.contacts import (
+    curvature_changes,
+    hertz_of_every_contact,
+    hertz_without_errors,
+    nominal_curvatures,
+)
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, groove_range
+from rollbench.lowfi.statics.validity import DENT_PRESSURE, ROLLER_DENT_PRESSURE, contact_angle_limits
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.one_arc import has_single_arc_grooves
 from rollbench.meshes.parts import SIDES, Scene
@@ -46,7 +56,7 @@ PALMGREN = 1.3e-19
 
 
 @result_record
-class Contact:
+class BallContact:
     """Elliptical Hertz contact of a ball with a groove flank; ball and groove have radii with manufacturing errors."""
 
     #: Number of the ball, from 1.
@@ -103,11 +113,11 @@ class StaticSafety:
         note="{allowed_pressure_MPa} MPa (ISO 76)",
     )
     #: Permissible pressure [Pa].
-    allowed: float = quantity_field(
+    allowed_pressure: float = quantity_field(
         "allowed_pressure_MPa", "permissible pressure: 4,200 MPa for balls, 4,000 MPa for rollers (ISO 76)"
     )
     #: Permanent indentation over the ball's diameter (ISO 76 permits 1e-4); None for rollers.
-    permanent: float | None = quantity_field(
+    permanent_indentation: float | None = quantity_field(
         "permanent_over_diameter",
         "permanent indentation over the ball's diameter, by Palmgren's formula",
         error="twice that of the load",
@@ -116,13 +126,13 @@ class StaticSafety:
 
     @property
     @QuantityDescription("allowed_over_diameter", "permissible permanent indentation over the ball's diameter, 1e-4")
-    def allowed_permanent(self) -> float:
+    def allowed_indentation(self) -> float:
         """Largest permanent indentation over the ball's diameter that ISO 76 permits, 1e-4."""
         return ALLOWED
 
 
 @result_record
-class Truncation:
+class EllipseTruncation:
     """Contact ellipse that is nearest to an edge of its groove's arc, or that extends farthest beyond the edge."""
 
     #: Number of the ball, from 1.
@@ -136,11 +146,11 @@ class Truncation:
     #: Contact angle [rad].
     angle: float = quantity_field("contact_angle_deg", "contact angle at this contact ellipse")
     #: Half width of the ellipse as an angle on the groove's arc [rad].
-    half: float = quantity_field(
+    half_width_angle: float = quantity_field(
         "ellipse_half_width_deg", "half width of the contact ellipse, as an angle on the groove's arc"
     )
     #: Angle of the edge [rad].
-    limit: float = quantity_field("edge_angle_deg", "angle of the edge on the groove's arc")
+    edge_angle: float = quantity_field("edge_angle_deg", "angle of the edge on the groove's arc")
     #: Angle from the ellipse to the edge [rad]; negative where the ellipse is truncated.
     margin: float = quantity_field(
         "margin_deg",
@@ -150,25 +160,27 @@ class Truncation:
         note="ball {ball} {side}, {edge}",
     )
     #: Number of contacts whose ellipse extends beyond an edge.
-    cut: int = quantity_field(
+    truncated_contacts: int = quantity_field(
         "contacts_cut", "number of contacts whose ellipse extends beyond an edge", heading="contacts TRUNCATED"
     )
 
 
-def contact_pressures(scene: Scene, found: StaticResult) -> Array:
+def contact_pressures(scene: Scene, static_result: StaticResult) -> Array:
     """Return the largest pressure in each of the four contacts of n balls ``(n, 4)`` [Pa]; nan without equilibrium.
 
-    If the model of the result ``found`` computes no pressures, they follow from the loads by Hertz's theory, for radii with
-    their random errors.
+    If the model of the result ``static_result`` computes no pressures, they follow from the loads by Hertz's theory, for
+    radii with their random errors.
     """
-    if found.pressure is not None or not np.isfinite(found.load).all():
-        return found.load if found.pressure is None else found.pressure
-    return own_hertz(scene, draw_specimen(scene, ball_layout(scene), found.member)).pressure(found.load)
+    if static_result.pressure is not None or not np.isfinite(static_result.load).all():
+        return static_result.load if static_result.pressure is None else static_result.pressure
+    return hertz_of_every_contact(
+        scene, draw_geometry_with_errors(scene, ball_layout(scene), static_result.member)
+    ).pressure(static_result.load)
 
 
 def contact_of_highest_pressure(
-    scene: Scene, drawn: Specimen, load: Array, angle: Array, pressure: Array | None = None
-) -> Contact | None:
+    scene: Scene, parts_with_errors: GeometryWithErrors, load: Array, angle: Array, pressure: Array | None = None
+) -> BallContact | None:
     """Return the contact of a ball with a groove flank that has the highest pressure.
 
     It is an elliptical Hertz contact for the radii of ball and groove with their random errors, even if the model computes
@@ -176,7 +188,7 @@ def contact_of_highest_pressure(
 
     Parameters
     ----------
-    scene, drawn
+    scene, parts_with_errors
         Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
@@ -201,11 +213,11 @@ def contact_of_highest_pressure(
     """
     if not (load > 0.0).any():
         return None
-    h = own_hertz(scene, drawn)
+    h = hertz_of_every_contact(scene, parts_with_errors)
     pressure = h.pressure(load) if pressure is None else pressure
     i, s = (int(k) for k in np.unravel_index(int(pressure.argmax()), load.shape))
     force, root = float(load[i, s]), float(np.cbrt(load[i, s]))
-    return Contact(
+    return BallContact(
         i + 1,
         SIDES[s],
         force,
@@ -217,7 +229,7 @@ def contact_of_highest_pressure(
     )
 
 
-def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety:
+def static_safety(scene: Scene, parts_with_errors: GeometryWithErrors, worst_contact: BallContact) -> StaticSafety:
     """Return the static safety of the most highly pressed ball contact, between parts of hardened bearing steel.
 
     By pressure, the permissible load of a ball contact is that at 4200 MPa (ISO 76). By permanent indentation (ISO 3408-5),
@@ -227,30 +239,34 @@ def static_safety(scene: Scene, drawn: Specimen, worst: Contact) -> StaticSafety
 
     Parameters
     ----------
-    scene, drawn
+    scene, parts_with_errors
         Scene, and its parts with random errors.
-    worst
+    worst_contact
         Contact with the highest pressure, see `contact_of_highest_pressure`.
 
     References
     ----------
     Palmgren (1959); Harris and Kotzalas (2007), ball against raceway.
     """
-    i, s = worst.ball - 1, SIDES.index(worst.side)
-    across, along = (nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius))[i, s]
-    diameter = 2.0 * float(drawn.ball_radius[i])
-    permanent = PALMGREN * worst.force**2 / diameter * float(across * along)
-    return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
+    i, s = worst_contact.ball - 1, SIDES.index(worst_contact.side)
+    across, along = (nominal_curvatures(scene) + curvature_changes(scene, parts_with_errors, parts_with_errors.ball_radii))[
+        i, s
+    ]
+    diameter = 2.0 * float(parts_with_errors.ball_radii[i])
+    permanent = PALMGREN * worst_contact.force**2 / diameter * float(across * along)
+    return StaticSafety((DENT_PRESSURE / worst_contact.pressure) ** 3, DENT_PRESSURE, permanent / diameter)
 
 
-def most_truncated_ellipse(scene: Scene, drawn: Specimen, load: Array, angle: Array) -> Truncation | None:
+def most_truncated_ellipse(
+    scene: Scene, parts_with_errors: GeometryWithErrors, load: Array, angle: Array
+) -> EllipseTruncation | None:
     """Return the contact ellipse that is nearest to an edge of its groove's arc, and the number of truncated ellipses.
 
     The nut's arc is assumed to end at 90 deg, because a low-order scene does not give the dimension of the nut's land.
 
     Parameters
     ----------
-    scene, drawn
+    scene, parts_with_errors
         Scene, and its parts with random errors.
     load
         Contact forces ``(n, 4)`` [N].
@@ -270,14 +286,14 @@ def most_truncated_ellipse(scene: Scene, drawn: Specimen, load: Array, angle: Ar
     loaded = (load > 0.0) & np.isfinite(angle)
     if not loaded.any():
         return None
-    low, high = groove_range(scene)
-    half = own_hertz(scene, drawn).C_a * np.cbrt(load) / drawn.radius
+    low, high = contact_angle_limits(scene)
+    half = hertz_of_every_contact(scene, parts_with_errors).C_a * np.cbrt(load) / parts_with_errors.groove_radii
     to_land = np.where(loaded, high - angle - half, np.inf)
     to_apex = np.where(loaded, angle - half - low, np.inf)
     margin = np.minimum(to_land, to_apex)
     i, s = (int(k) for k in np.unravel_index(int(margin.argmin()), load.shape))
     land = bool(to_land[i, s] <= to_apex[i, s])
-    return Truncation(
+    return EllipseTruncation(
         i + 1,
         SIDES[s],
         "land" if land or has_single_arc_grooves(scene) else "apex",
@@ -304,7 +320,7 @@ class RollerContact:
     #: Force of either race on the roller [N].
     force: float = quantity_field("force_N")
     #: Distance of the highest pressure from the roller's middle [m], positive towards the large end.
-    place: float = quantity_field(
+    position_along_roller: float = quantity_field(
         "place_mm", "position of the highest pressure, from the roller's middle, positive towards its large end"
     )
     #: Load per length at that position [N/m].
@@ -322,11 +338,11 @@ class RollerContact:
     #: Largest pressure at that position [Pa].
     pressure: float = quantity_field("pressure_MPa", heading="peak pressure", note="roller {roller}, {race} race")
     #: Largest pressure on the roller's other race [Pa].
-    other: float = quantity_field(
+    other_race_pressure: float = quantity_field(
         "other_race_pressure_MPa", "largest pressure of that roller on its other race", error="half that of the line load"
     )
     #: Pressure at the roller's middle if its load were uniform along its length [Pa].
-    middle: float = quantity_field(
+    uniform_load_pressure: float = quantity_field(
         "middle_pressure_MPa",
         "pressure at the roller's middle diameter if its load were spread evenly along it",
         error="half that of the load",
@@ -343,7 +359,7 @@ def race_pressures(row: RollerRow, line_loads: Array) -> Array:
     line_loads
         Loads per length of each roller's slices ``(count, slices)`` [N/m].
     """
-    return np.asarray(half_widths_and_pressures_of_slices(tapered_bearing(row), line_loads)[1].max(axis=1))
+    return np.asarray(half_widths_and_pressures_of_slices(tapered_bearing_of_row(row), line_loads)[1].max(axis=1))
 
 
 def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> RollerContact | None:
@@ -364,7 +380,7 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
     RollerContact | None
         The contact; None without load.
     """
-    bearing = tapered_bearing(row)
+    bearing = tapered_bearing_of_row(row)
     half_width, pressure = half_widths_and_pressures_of_slices(bearing, line_loads)
     if not (pressure > 0.0).any():
         return None
@@ -374,16 +390,16 @@ def roller_contact_of_highest_pressure(row: RollerRow, line_loads: Array) -> Rol
         roller=i + 1,
         race=RACES[race],
         force=force,
-        place=float(slice_middles(row.length, row.slices)[k]),
+        position_along_roller=float(slice_middles(row.length, row.slices)[k]),
         line_load=float(line_loads[i, k]),
         half_width=float(half_width[i, k, race]),
         pressure=float(pressure[i, k, race]),
-        other=float(pressure[i, :, 1 - race].max()),
-        middle=float(roller_contacts(bearing, force).pressures[race]),
+        other_race_pressure=float(pressure[i, :, 1 - race].max()),
+        uniform_load_pressure=float(roller_line_contacts(bearing, force).pressures[race]),
     )
 
 
-def roller_safety(worst: RollerContact) -> StaticSafety:
+def roller_static_safety(worst_contact: RollerContact) -> StaticSafety:
     """Return the static safety of the most highly pressed roller contact, between parts of hardened bearing steel.
 
     The permissible load of a roller contact is that at 4000 MPa (ISO 76); the pressure is proportional to the square root
@@ -391,10 +407,10 @@ def roller_safety(worst: RollerContact) -> StaticSafety:
 
     Parameters
     ----------
-    worst
+    worst_contact
         Line contact with the highest pressure, see `roller_contact_of_highest_pressure`.
     """
-    return StaticSafety((ROLLER_DENT_PRESSURE / worst.pressure) ** 2, ROLLER_DENT_PRESSURE)
+    return StaticSafety((ROLLER_DENT_PRESSURE / worst_contact.pressure) ** 2, ROLLER_DENT_PRESSURE)
 
 
 #: Stribeck's factor: largest contact load over F_r/Z for Z balls under a radial load F_r without clearance (ISO 76).
@@ -407,7 +423,7 @@ def permissible_contact_force(scene: Scene) -> float:
         dent = nominal_curvatures(scene)[[0, 3]].prod(axis=1)
         diameter = 2.0 * scene.balls.radius
         return float(diameter * np.sqrt(ALLOWED / (PALMGREN * dent.max())))
-    of_one_newton = error_free_hertz(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
+    of_one_newton = hertz_without_errors(scene).pressure(np.ones((1, 4)))[0, [0, 3]]
     return float((DENT_PRESSURE / of_one_newton.max()) ** 3)
 
 
@@ -456,7 +472,7 @@ class Ratings:
         note="{direction}, as computed ({static_standard})",
     )
     #: Whether the ratings are axial loads; otherwise they are radial.
-    axial: bool = quantity_field(
+    is_axial: bool = quantity_field(
         "direction", "direction of the ratings: axial or radial", show=lambda axial: "axial" if axial else "radial"
     )
     #: Standard of the dynamic rating.

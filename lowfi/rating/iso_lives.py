@@ -70,9 +70,9 @@ import numpy as np
 
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.contacts import RACES, static_rating
-from rollbench.lowfi.rating.life import Life, contact_capacity, is_thrust_bearing
+from rollbench.lowfi.rating.life import BasicRatingLife, contact_capacity, is_thrust_bearing
 from rollbench.lowfi.rating.rigidity import approach_per_displacement
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import SIDES, Scene
@@ -129,7 +129,7 @@ def reliability_factor(percent: float) -> float:
     return 0.95 * float((log(100.0 / percent) / log(1.0 / 0.9)) ** (2.0 / 3.0)) + 0.05
 
 
-def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = False) -> float:
+def life_factor_for_lubrication(kappa: float, contamination_load_ratio: float, *, is_thrust_bearing: bool = False) -> float:
     """Return the life modification factor a_ISO for lubricant and contamination of a ball bearing, at most 50.
 
     It follows from eq. (2) of this module.
@@ -138,9 +138,9 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
     ----------
     kappa
         Viscosity ratio, at least 0.1; values above 4 count as 4.
-    clean
+    contamination_load_ratio
         Product of the contamination factor e_C and the ratio C_u/P of fatigue load limit to equivalent load.
-    thrust
+    is_thrust_bearing
         Whether the bearing is a thrust bearing.
 
     References
@@ -155,11 +155,11 @@ def life_factor_for_lubrication(kappa: float, clean: float, *, thrust: bool = Fa
     k = min(kappa, FULL_FILM)
     c, power = (2.2649, 0.054381) if k < 0.4 else (1.9987, 0.19087) if k < 1.0 else (1.9987, 0.071739)
     film = float(max(2.5671 - c / k**power, 0.0) ** 0.83)
-    left = 1.0 - film * float(np.cbrt(clean / 3.0 if thrust else clean))
+    left = 1.0 - film * float(np.cbrt(contamination_load_ratio / 3.0 if is_thrust_bearing else contamination_load_ratio))
     return MOST if left <= 0.0 else min(0.1 * float(left**-9.3), MOST)
 
 
-def fatigue_limit(scene: Scene) -> float:
+def fatigue_load_limit(scene: Scene) -> float:
     """Return the fatigue load limit C_u [N] of ISO 281: axial for a screw and a thrust bearing, radial for other bearings.
 
     References
@@ -170,11 +170,11 @@ def fatigue_limit(scene: Scene) -> float:
     if scene.track.lead == 0.0:
         across = 2.0 * scene.track.pitch_radius
         return float(static_rating(scene) / STATIC_OVER_FATIGUE * min(1.0, (0.1 / across) ** 0.5))
-    of_one_newton = float(error_free_hertz(scene).pressure(np.ones(4)).max())
+    of_one_newton = float(hertz_without_errors(scene).pressure(np.ones(4)).max())
     return float(scene.ball_count * approach_per_displacement(scene) * (FATIGUE_PRESSURE / of_one_newton) ** 3)
 
 
-def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
+def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | None:
     """Return the modified rating life for the reliability, lubricant and contamination that a scene states.
 
     Parameters
@@ -193,12 +193,14 @@ def modified_life(scene: Scene, life: Life | None) -> ModifiedLife | None:
     of = scene.operation
     if life is None or (of.reliability is None and of.viscosity_ratio is None):
         return None
-    limit = fatigue_limit(scene)
+    limit = fatigue_load_limit(scene)
     share = 90.0 if of.reliability is None else of.reliability
     a_1, a_iso = reliability_factor(share), None
     if of.viscosity_ratio is not None and of.contamination is not None:
         thrust = is_thrust_bearing(scene) or scene.track.lead > 0.0
-        a_iso = life_factor_for_lubrication(of.viscosity_ratio, of.contamination * limit / life.equivalent, thrust=thrust)
+        a_iso = life_factor_for_lubrication(
+            of.viscosity_ratio, of.contamination * limit / life.equivalent, is_thrust_bearing=thrust
+        )
     return ModifiedLife(a_1 * (1.0 if a_iso is None else a_iso) * life.revolutions, share, a_1, a_iso, limit)
 
 
@@ -237,7 +239,7 @@ class ReferenceLife:
     )
 
 
-def ball_reference_life(scene: Scene, life: Life | None) -> ReferenceLife | None:
+def ball_reference_life(scene: Scene, life: BasicRatingLife | None) -> ReferenceLife | None:
     """Return the basic reference rating life of a ball bearing by eq. (3) of this module.
 
     Parameters
@@ -315,4 +317,4 @@ def roller_reference_life(row: RollerRow, line_loads: Array) -> ReferenceLife | 
         loads[race] = top * row.length * float(np.mean(mean**4.5)) ** (2.0 / 9.0)
     damage = sum((loads[race] / capacities[race]) ** 4.5 for race in RACES)
     found = damage ** (-8.0 / 9.0)
-    return ReferenceLife(found, roller_life.dynamic_rating(row) / found**0.3, capacities, loads)
+    return ReferenceLife(found, roller_life.dynamic_rating_of_row(row) / found**0.3, capacities, loads)

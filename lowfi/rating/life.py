@@ -95,7 +95,7 @@ RADIAL = (0.407, 0.389)
 
 
 @result_record
-class Life:
+class BasicRatingLife:
     """Basic rating life (reliability 90 %) of one nut or bearing under the loads of its contacts."""
 
     #: Basic rating life L10 [10^6 revolutions].
@@ -359,7 +359,7 @@ def dynamic_rating(scene: Scene) -> float:
     return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
 
 
-def basic_rating_life(scene: Scene, load: Array) -> Life | None:
+def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
     """Return the basic rating life of a ball screw or ball bearing under given contact loads, by eq. (1) of this module.
 
     Parameters
@@ -404,17 +404,19 @@ def basic_rating_life(scene: Scene, load: Array) -> Life | None:
             raceways[side] = float((capacity[s] / mean) ** 3)
     shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
     total, rated = float(shares.sum() ** -0.9), dynamic_rating(scene)
-    return Life(total, raceways, rated, rated / float(np.cbrt(total)), name_life_standard(scene), scene.track.lead)
+    return BasicRatingLife(
+        total, raceways, rated, rated / float(np.cbrt(total)), name_life_standard(scene), scene.track.lead
+    )
 
 
-def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) -> Array:
+def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
     """Return the contact loads that cause the same fatigue damage as several load cases together, by eq. (4).
 
     Parameters
     ----------
     loads
         Contact forces of each case, ``(n, 4)`` [N].
-    shares
+    revolution_shares
         Fractions of the revolutions in each case, with the sum 1; cases with a fraction of zero do not count.
 
     Returns
@@ -422,7 +424,7 @@ def equivalent_contact_loads(loads: Sequence[Array], shares: Sequence[float]) ->
     Array
         Contact forces ``(n, 4)`` [N], for which `basic_rating_life` gives the life over all cases.
     """
-    used = [(load, share) for load, share in zip(loads, shares, strict=True) if share > 0.0]
+    used = [(load, share) for load, share in zip(loads, revolution_shares, strict=True) if share > 0.0]
     if len(used) == 1:
         return used[0][0]
     top = max(float(load.max()) for load, _ in used) or 1.0  # forces over the largest: no overflow
@@ -452,7 +454,7 @@ LIMITS, RADIAL_FACTORS, AXIAL_FACTORS = (
 
 
 @result_record
-class EquivalentLife:
+class EquivalentLoadLife:
     """Life of a duty cycle by the equivalent loads of a standard, eqs. (5) to (7) of the module `lowfi.rating.life`."""
 
     #: Life L10 [10^6 revolutions].
@@ -464,7 +466,7 @@ class EquivalentLife:
     )
     #: Equivalent loads [N]: for a screw those of both directions or nut halves, first the one for forces on the nut along
     #: +z; for a bearing the load P.
-    loads: tuple[float, ...] = quantity_field(
+    equivalent_loads: tuple[float, ...] = quantity_field(
         "equivalent_loads_N",
         "means of order 3 over the revolutions: axial load of the flanks or nut half that carry forces along +z, then of "
         "the others; for a bearing its equivalent load P",
@@ -475,15 +477,15 @@ class EquivalentLife:
 
 
 def life_by_equivalent_loads(
-    scenes: Sequence[Scene], shares: Sequence[float], forces: Sequence[Array], preload: float
-) -> EquivalentLife | None:
+    scenes: Sequence[Scene], revolution_shares: Sequence[float], forces: Sequence[Array], preload: float
+) -> EquivalentLoadLife | None:
     """Return the life of a screw or bearing over several load cases by the standard's equivalent loads.
 
     Parameters
     ----------
     scenes
         Scene of each load case; all have the same parts.
-    shares
+    revolution_shares
         Fractions of the revolutions in each case.
     forces
         Force of the screw on the nut in each case, ``(3,)`` [N].
@@ -492,7 +494,7 @@ def life_by_equivalent_loads(
 
     Returns
     -------
-    EquivalentLife | None
+    EquivalentLoadLife | None
         The life; None without load.
 
     Raises
@@ -500,23 +502,29 @@ def life_by_equivalent_loads(
     ValueError
         A load is not covered by the standard (moments, radial force on a screw, four-point preload); the message names it.
     """
-    used = [(scene, n, np.asarray(F, dtype=float)) for scene, n, F in zip(scenes, shares, forces, strict=True) if n > 0.0]
+    used = [
+        (scene, n, np.asarray(F, dtype=float))
+        for scene, n, F in zip(scenes, revolution_shares, forces, strict=True)
+        if n > 0.0
+    ]
     ring = scenes[0].track.lead == 0.0
     standard = "ISO 281" if ring else "ISO 3408-5"
     for scene, _, _ in used:
-        reason = _uncovered_loads(scene, ring=ring)
+        reason = _name_of_uncovered_load(scene, is_bearing=ring)
         if reason:
             raise ValueError(f"{standard} does not cover {reason} (as in {scene.name})")
     n = np.array([share for _, share, _ in used])
     if ring:
-        loads: tuple[float, ...] = (mean_force(n, np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used])),)
+        loads: tuple[float, ...] = (
+            cubic_mean_force(n, np.array([_equivalent_bearing_load(scenes[0], F) for _, _, F in used])),
+        )
         rated: tuple[float, ...] = (dynamic_rating(scenes[0]),)
     else:
         axial = np.array([F[2] for _, _, F in used])
         along, against = forces_on_halves(axial, preload)
-        loads, rated = (mean_force(n, along), mean_force(n, against)), _ratings_by_direction(scenes[0])
+        loads, rated = (cubic_mean_force(n, along), cubic_mean_force(n, against)), _ratings_by_direction(scenes[0])
     wear = sum((F / C) ** (10.0 / 3.0) for F, C in zip(loads, rated, strict=True))
-    return EquivalentLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
+    return EquivalentLoadLife(float(wear**-0.9), loads, standard) if wear > 0.0 else None
 
 
 def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
@@ -552,23 +560,23 @@ def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
     return np.where(force >= 0.0, loaded, other), np.where(force >= 0.0, other, loaded)
 
 
-def mean_force(shares: Array, force: Array) -> float:
+def cubic_mean_force(revolution_shares: Array, force: Array) -> float:
     """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N], by eq. (5) of this module.
 
     Parameters
     ----------
-    shares
+    revolution_shares
         Fractions n_j of the revolutions ``(n,)``.
     force
         Forces F_j ``(n,)`` [N], not negative.
 
     Examples
     --------
-    >>> round(mean_force(np.array([0.5, 0.3, 0.2]), np.array([1e3, 2e3, 4e3])), 1)
+    >>> round(cubic_mean_force(np.array([0.5, 0.3, 0.2]), np.array([1e3, 2e3, 4e3])), 1)
     2504.0
     """
     top = float(force.max(initial=0.0))
-    return 0.0 if top == 0.0 else top * float(shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
+    return 0.0 if top == 0.0 else top * float(revolution_shares @ (force / top) ** TURNING) ** (1.0 / TURNING)
 
 
 def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
@@ -586,7 +594,7 @@ def _ratings_by_direction(scene: Scene) -> tuple[float, float]:
     return (before, after) if offset > 0.0 else (after, before)
 
 
-def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
+def equivalent_load_factors(alpha: float) -> tuple[float, float, float]:
     """Return the factors e, X and Y of a single row of balls by ISO 281.
 
     The equivalent load is P = X F_r + Y F_a if F_a > e F_r, with the radial force F_r and the axial force F_a.
@@ -605,9 +613,9 @@ def radial_and_axial_factors(alpha: float) -> tuple[float, float, float]:
     Examples
     --------
     >>> from math import radians
-    >>> [round(x, 2) for x in radial_and_axial_factors(radians(40.0))]
+    >>> [round(x, 2) for x in equivalent_load_factors(radians(40.0))]
     [1.14, 0.35, 0.57]
-    >>> [round(x, 2) for x in radial_and_axial_factors(radians(60.0))]
+    >>> [round(x, 2) for x in equivalent_load_factors(radians(60.0))]
     [2.17, 0.92, 1.0]
     """
     angle = degrees(alpha)
@@ -631,7 +639,7 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     radial, axial, thrust = hypot(force[0], force[1]), abs(float(force[2])), is_thrust_bearing(scene)
     if not thrust and axial <= 1e-9 * radial:
         return radial
-    e, X, Y = radial_and_axial_factors(scene.track.contact_angle)
+    e, X, Y = equivalent_load_factors(scene.track.contact_angle)
     if axial > e * radial:
         return X * radial + Y * axial
     if thrust:
@@ -641,16 +649,16 @@ def _equivalent_bearing_load(scene: Scene, force: Array) -> float:
     return radial
 
 
-def _uncovered_loads(scene: Scene, *, ring: bool) -> str:
+def _name_of_uncovered_load(scene: Scene, *, is_bearing: bool) -> str:
     """Return a phrase that names a load of a scene that the life standard does not cover; empty if it covers all loads.
 
-    ``ring``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
+    ``is_bearing``: whether the scene is a bearing (ISO 281); otherwise it is a ball screw (ISO 3408-5).
     """
     moved = {name for s in scene.supports for name, value in s.fixed if value != 0.0}
     if any(x.moment[0] or x.moment[1] for x in scene.loads) or moved & {"rx", "ry"}:
         return "moments across the axis"
-    if not ring and (any(x.force[0] or x.force[1] for x in scene.loads) or moved & {"ux", "uy"}):
+    if not is_bearing and (any(x.force[0] or x.force[1] for x in scene.loads) or moved & {"ux", "uy"}):
         return "radial force"
     if scene.errors.balls.oversize > 0.0:
-        return "the preload of balls with oversize, in four-point contact" if not ring else "preload"
+        return "the preload of balls with oversize, in four-point contact" if not is_bearing else "preload"
     return ""

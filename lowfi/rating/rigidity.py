@@ -34,11 +34,11 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.rating.life import filled_turns
-from rollbench.lowfi.statics.contacts import error_free_hertz
-from rollbench.lowfi.statics.problem import centre_distances
+from rollbench.lowfi.statics.contacts import hertz_without_errors
+from rollbench.lowfi.statics.problem import centre_vectors_and_interference
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import are_in_shifted_half, draw_specimen
+from rollbench.meshes.errors import are_in_shifted_half, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
@@ -51,23 +51,23 @@ PRACTICE = 0.8
 
 
 @result_record
-class Rigidities:
+class AxialRigidities:
     """Axial rigidities of a nut or bearing [N/m]: contacts only, contacts and bodies, and with unequal contact loads."""
 
     #: Rigidity of the contacts alone [N/m].
-    contacts: float = quantity_field(
+    contacts_only: float = quantity_field(
         "rigidities_N_per_um.contacts_alone",
         "secant rigidity with rigid bodies and equal contact loads at the nominal contact angle, by Hertz's law",
         error="neglects bodies and unequal loads",
     )
     #: Rigidity of contacts and bodies [N/m]; None for bearings, to which the formula does not apply.
-    bodies: float | None = quantity_field(
+    with_bodies: float | None = quantity_field(
         "rigidities_N_per_um.with_bodies",
         "secant rigidity with nut and screw as thick tubes, which the contact loads widen and compress",
         error="neglects unequal loads",
     )
     #: Rigidity by the model with unequal contact loads [N/m]; None if its displacement is not known.
-    unequal: float | None = quantity_field(
+    with_unequal_loads: float | None = quantity_field(
         "rigidities_N_per_um.with_unequal_loads",
         "secant rigidity by the model, `axial.rigidity_N_per_um`",
         error="that of the displacement",
@@ -81,9 +81,9 @@ class Rigidities:
         heading="rigidity by formula x 0.8",
         note="as makers advise",
     )
-    def practice(self) -> float | None:
+    def makers_practice(self) -> float | None:
         """Rigidity that manufacturers advise to use [N/m], 0.8 times that of contacts and bodies; None for bearings."""
-        return None if self.bodies is None else PRACTICE * self.bodies
+        return None if self.with_bodies is None else PRACTICE * self.with_bodies
 
 
 def approach_per_displacement(scene: Scene) -> float:
@@ -114,12 +114,12 @@ def displacement_by_contacts_only(scene: Scene, force: float) -> float:
         equilibrium without load.
     """
     layout = ball_layout(scene)
-    of_balls = centre_distances(scene, draw_specimen(scene, layout))[1]
+    of_balls = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout))[1]
     beyond = are_in_shifted_half(scene, layout.z)
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])
     counts = np.array([half.sum() for half in halves])
-    C = error_free_hertz(scene).C
+    C = hertz_without_errors(scene).C
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     s, n = approach_per_displacement(scene), scene.ball_count
 
@@ -176,7 +176,7 @@ def axial_compliance_of_bodies(scene: Scene) -> float | None:
     return radial / (2.0 * pi * length * tan(track.contact_angle) ** 2)
 
 
-def axial_displacement(scene: Scene, result: StaticResult) -> float:
+def screw_displacement_at_nut(scene: Scene, result: StaticResult) -> float:
     """Return the axial displacement of the screw's section at the nut's centre [m].
 
     Parameters
@@ -202,7 +202,7 @@ def axial_force(result: StaticResult) -> float:
     return force if abs(force) > ROUND_OFF * float(result.load.sum()) else 0.0
 
 
-def three_axial_rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
+def three_axial_rigidities(scene: Scene, force: float, displacement: float | None) -> AxialRigidities | None:
     """Return the three axial rigidities of a nut or bearing at an axial load.
 
     Parameters
@@ -241,4 +241,4 @@ def three_axial_rigidities(scene: Scene, force: float, displacement: float | Non
     alone = displacement_by_contacts_only(scene, size)
     body = axial_compliance_of_bodies(scene)
     unequal = force / displacement if displacement is not None and displacement * force > 0.0 else None
-    return Rigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)
+    return AxialRigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)

@@ -45,8 +45,8 @@ import numpy as np
 
 from rollbench.lowfi.hertz import contact_modulus
 from rollbench.lowfi.rating.contacts import RACES, STRIBECK, Ratings
-from rollbench.lowfi.rating.life import RADIAL_UP_TO, EquivalentLife, Life
-from rollbench.lowfi.rollers import tapered_bearing
+from rollbench.lowfi.rating.life import RADIAL_UP_TO, BasicRatingLife, EquivalentLoadLife
+from rollbench.lowfi.rollers import tapered_bearing_of_row
 from rollbench.lowfi.statics.validity import ROLLER_DENT_PRESSURE
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollerRow
@@ -73,7 +73,7 @@ def race_capacities(row: RollerRow) -> Array:
     They follow from eq. (1) of this module.
     """
     alpha, D, length = row.cup_angle, 1e3 * row.diameter, 1e3 * row.length
-    gamma = row.diameter * cos(alpha) / tapered_bearing(row).pitch_diameter
+    gamma = row.diameter * cos(alpha) / tapered_bearing_of_row(row).pitch_diameter
     reduced = THRUST * (1.0 - 0.15 * sin(alpha)) if is_thrust_bearing_row(row) else RADIAL
     sign = np.array([-1.0, 1.0])
     curve = (1.0 + sign * gamma) ** (29.0 / 27.0) / (1.0 - sign * gamma) ** 0.25
@@ -81,7 +81,7 @@ def race_capacities(row: RollerRow) -> Array:
     return np.asarray(STEEL * CONTACT * reduced * curve * size)
 
 
-def dynamic_rating(row: RollerRow) -> float:
+def dynamic_rating_of_row(row: RollerRow) -> float:
     """Return the basic dynamic load rating C of a row of rollers by eq. (2) of this module.
 
     Parameters
@@ -103,18 +103,18 @@ def dynamic_rating(row: RollerRow) -> float:
     >>> from math import radians
     >>> from rollbench.meshes.parts import Material
     >>> row = RollerRow(16, 12e-3, 16e-3, radians(15.0), radians(2.5), 8e-3, Material(206e9, 0.3))
-    >>> round(tapered_bearing(row).pitch_diameter * 1e3, 2), round(dynamic_rating(row)), round(static_rating(row))
+    >>> round(tapered_bearing_of_row(row).pitch_diameter * 1e3, 2), round(dynamic_rating(row)), round(static_rating(row))
     (59.49, 94723, 105724)
     """
     inner, outer = (float(Q) for Q in race_capacities(row))
     if is_thrust_bearing_row(row):
         return row.count * sin(row.cup_angle) * float((inner**-4.5 + outer**-4.5) ** (-2.0 / 9.0))
-    gamma = row.diameter * cos(row.cup_angle) / tapered_bearing(row).pitch_diameter
+    gamma = row.diameter * cos(row.cup_angle) / tapered_bearing_of_row(row).pitch_diameter
     both = 1.0 + (1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)) ** 4.5
     return 0.377 * row.count * cos(row.cup_angle) * inner * float(both ** (-2.0 / 9.0))
 
 
-def static_rating(row: RollerRow) -> float:
+def static_rating_of_row(row: RollerRow) -> float:
     """Return the basic static load rating C_0 of a row of tapered rollers (ISO 76).
 
     It is the load at which the most heavily loaded roller has a pressure of 4,000 MPa at the middle of its contact with the
@@ -125,8 +125,8 @@ def static_rating(row: RollerRow) -> float:
     float
         C_0 [N]: radial for a cup's half angle up to 45 deg, axial above.
     """
-    bearing, E, nu = tapered_bearing(row), row.material.youngs_modulus, row.material.poissons_ratio
-    roller, cone, _ = bearing.radii()
+    bearing, E, nu = tapered_bearing_of_row(row), row.material.youngs_modulus, row.material.poissons_ratio
+    roller, cone, _ = bearing.curvature_radii()
     curvature = float(1.0 / roller + 1.0 / cone)
     line = pi * ROLLER_DENT_PRESSURE**2 / (contact_modulus(E, nu, E, nu) * curvature)
     each = row.count * line * row.length
@@ -141,10 +141,10 @@ def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
     row
         Row of rollers.
     """
-    return Ratings(dynamic_rating(row), static_rating(row), is_thrust_bearing_row(row), "ISO 281", "ISO 76")
+    return Ratings(dynamic_rating_of_row(row), static_rating_of_row(row), is_thrust_bearing_row(row), "ISO 281", "ISO 76")
 
 
-def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> Life | None:
+def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLife | None:
     """Return the basic rating life of a row of tapered rollers under given line loads, by eq. (3) of this module.
 
     Parameters
@@ -168,21 +168,21 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> Life | None:
     for race, capacity, order in zip(RACES, race_capacities(row), (TURNING, STANDING), strict=True):
         mean = force * np.mean((line_loads / top) ** order, axis=0) ** (1.0 / order)
         damage[race] = float(((mean / (float(capacity) * n ** (-7.0 / 9.0))) ** 4.5).sum())
-    rated = dynamic_rating(row)
+    rated = dynamic_rating_of_row(row)
     equivalent = rated * sum(damage.values()) ** (2.0 / 9.0)
     races = {race: S ** (-2.0 / 9.0 * EXPONENT) for race, S in damage.items()}
     standard = "ISO 281, ISO/TS 16281" + (" (thrust bearing)" if is_thrust_bearing_row(row) else "")
-    return Life((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
+    return BasicRatingLife((rated / equivalent) ** EXPONENT, races, rated, equivalent, standard)
 
 
-def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) -> Array:
+def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
     """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
 
     Parameters
     ----------
     line_loads
         Loads per length of each roller's slices, for each load case ``(count, slices)`` [N/m].
-    shares
+    revolution_shares
         Fractions of the revolutions in each case, with the sum 1.
 
     Returns
@@ -191,11 +191,11 @@ def equivalent_line_loads(line_loads: Sequence[Array], shares: Sequence[float]) 
         Means of order 4 ``(count, slices)`` [N/m], for which `basic_rating_life_of_row` gives the life over all cases.
     """
     top = max(float(q.max(initial=0.0)) for q in line_loads) or 1.0
-    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, shares, strict=True))
+    sums = sum(share * (q / top) ** TURNING for q, share in zip(line_loads, revolution_shares, strict=True))
     return np.asarray(top * sums ** (1.0 / TURNING))
 
 
-def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
+def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float:
     """Return the dynamic equivalent load P of a row of tapered rollers under radial and axial force (ISO 281).
 
     Parameters
@@ -225,24 +225,26 @@ def equivalent_load(row: RollerRow, radial: float, axial: float) -> float:
     return 0.4 * radial + 0.4 / tan(row.cup_angle) * axial
 
 
-def life_of_row_by_equivalent_loads(row: RollerRow, shares: Sequence[float], forces: Sequence[Array]) -> EquivalentLife:
+def life_of_row_by_equivalent_loads(
+    row: RollerRow, revolution_shares: Sequence[float], forces: Sequence[Array]
+) -> EquivalentLoadLife:
     """Return the life of a row of tapered rollers over several load cases by ISO 281's equivalent loads, (C/P_m)^(10/3).
 
     Parameters
     ----------
     row
         Row of tapered rollers.
-    shares
+    revolution_shares
         Fractions of the revolutions in each case, with the sum 1.
     forces
         Force of the shaft on the row in each case, ``(3,)`` [N].
 
     Returns
     -------
-    EquivalentLife
+    EquivalentLoadLife
         Life, and the mean P_m of order 10/3 of the equivalent loads.
     """
-    loads = np.array([equivalent_load(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
+    loads = np.array([equivalent_load_of_row(row, hypot(F[0], F[1]), abs(float(F[2]))) for F in forces])
     top = float(loads.max())
-    mean = top * float(np.asarray(shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
-    return EquivalentLife((dynamic_rating(row) / mean) ** EXPONENT, (mean,), "ISO 281")
+    mean = top * float(np.asarray(revolution_shares) @ (loads / top) ** EXPONENT) ** (1.0 / EXPONENT)
+    return EquivalentLoadLife((dynamic_rating_of_row(row) / mean) ** EXPONENT, (mean,), "ISO 281")

@@ -38,15 +38,21 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.parts import reduce_to_compliance_geometry
-from rollbench.lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
+from rollbench.lowfi.hertz import (
+    HertzConstants,
+    PrintedHertzConstants,
+    contact_modulus,
+    hertz_constants,
+    hertz_constants_as_printed,
+)
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import SIDES, Errors, Material, Scene, UnfitKey
 from rollbench.meshes.surface import ALL, groove_radius_with_slopes, principal_curvatures, printed_principal_radii
 
 
-def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:
+def curvature_changes(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array) -> Array:
     """Return the change of the relative curvatures of ball and flanks by errors of ball radius, groove radius and profile.
 
     The groove's curvature is evaluated on its profile at the nominal contact angle.
@@ -66,7 +72,7 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
         ``(..., N, 4, 2)`` [1/m]: for each ball and flank the change across, then along the groove.
     """
     gamma = np.array(scene.track.contact_angle)
-    profiles = [groove_radius_with_slopes(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
+    profiles = [groove_radius_with_slopes(gamma, drawn.groove_radii[s], drawn.profile_coefficients[s]) for s in range(4)]
     change = _curvature(*np.stack(profiles, axis=1)) - _curvature(nominal_groove_radii(scene), np.zeros(4), np.zeros(4))
     ball = 1.0 / ball_radius - 1.0 / scene.balls.radius
     changes = np.repeat(np.repeat(ball[..., None, None], 4, axis=-2), 2, axis=-1)
@@ -85,7 +91,7 @@ def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
     return np.asarray((radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3)
 
 
-def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:
+def oblique_pressure_coefficient(constants: HertzConstants, ball_radius: float) -> Array:
     """Return the coefficient h [m/N^(4/3)] of the term h F^(4/3) that oblique pressure adds to a contact's approach.
 
     F is the contact force [N]. On a curved surface, the pressure at the edge of the contact ellipse acts at an angle to the
@@ -107,7 +113,7 @@ NODES, ROUND_OFF = 12, 1e-15
 
 
 @lru_cache(maxsize=64)
-def error_free_hertz(scene: Scene) -> HertzConstants:
+def hertz_without_errors(scene: Scene) -> HertzConstants:
     """Return the Hertz constants of the four flanks ``(4,)`` for parts without errors at the nominal contact angle.
 
     The arrays come from a cache and must not be changed.
@@ -142,7 +148,7 @@ def _scene_of_parts_only(scene: Scene) -> Scene:
 
 def clear_nominal_caches() -> None:
     """Clear the caches of Hertz constants and curvatures, so that a timed solve that follows computes them again."""
-    for kept in (_cached_curvatures, _cached_hertz_of_parts, _cached_hertz_of_radius, error_free_hertz):
+    for kept in (_cached_curvatures, _cached_hertz_of_parts, _cached_hertz_of_radius, hertz_without_errors):
         kept.cache_clear()
 
 
@@ -155,7 +161,9 @@ def _cached_hertz_of_parts(bare: Scene) -> HertzConstants:
 @lru_cache(maxsize=64)
 def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> HertzConstants:
     """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of another radius [m], from a cache."""
-    return _make_read_only(drawn_hertz(bare, draw_specimen(bare, ball_layout(bare)), np.array([ball_radius])))
+    return _make_read_only(
+        hertz_with_errors(bare, draw_geometry_with_errors(bare, ball_layout(bare)), np.array([ball_radius]))
+    )
 
 
 def _make_read_only(constants: HertzConstants) -> HertzConstants:
@@ -169,13 +177,13 @@ def _make_read_only(constants: HertzConstants) -> HertzConstants:
 def _cached_curvatures(bare: Scene) -> Array:
     """Return the relative principal curvatures ``(4, 2)`` [1/m] of error-free parts, from a cache."""
     scene, layout = bare, ball_layout(bare)
-    drawn = draw_specimen(bare, layout)
+    drawn = draw_geometry_with_errors(bare, layout)
     curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
     curvatures.flags.writeable = False
     return curvatures
 
 
-def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
+def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> HertzConstants:
     """Return the Hertz constants ``(..., N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
     The effect of an oversized ball is equation (1) of the module.
@@ -189,14 +197,14 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
     ball_radius
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
-    radius = drawn.ball_radius if ball_radius is None else ball_radius
+    radius = drawn.ball_radii if ball_radius is None else ball_radius
     return hertz_from_curvatures(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
-def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
+def hertz_with_errors_if_distinct(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of N balls and four flanks with errors; a single row if all balls are alike.
 
-    The values are those of `drawn_hertz`. For balls that are all alike the shape is ``(4,)`` or ``(1, 4)``.
+    The values are those of `hertz_with_errors`. For balls that are all alike the shape is ``(4,)`` or ``(1, 4)``.
 
     Parameters
     ----------
@@ -208,18 +216,19 @@ def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzCo
         Radii of the balls ``(N,)`` [m].
     """
     if not (ball_radius == ball_radius[0]).all():
-        return drawn_hertz(scene, drawn, ball_radius)
-    if drawn.profile.size or not (drawn.radius == nominal_groove_radii(scene)).all():
-        return drawn_hertz(scene, drawn, ball_radius[:1])
+        return hertz_with_errors(scene, drawn, ball_radius)
+    if drawn.profile_coefficients.size or not (drawn.groove_radii == nominal_groove_radii(scene)).all():
+        return hertz_with_errors(scene, drawn, ball_radius[:1])
     if ball_radius[0] == scene.balls.radius:
-        return error_free_hertz(scene)
+        return hertz_without_errors(scene)
     return _cached_hertz_of_radius(_scene_of_parts_only(scene), float(ball_radius[0]))
 
 
-def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
+def hertz_of_every_contact(scene: Scene, drawn: GeometryWithErrors) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
-    The values are those of `drawn_hertz`, but computed only once if all balls are alike. The arrays must not be changed.
+    The values are those of `hertz_with_errors`, but computed only once if all balls are alike. The arrays must not be
+    changed.
 
     Parameters
     ----------
@@ -228,11 +237,11 @@ def own_hertz(scene: Scene, drawn: Specimen) -> HertzConstants:
     drawn
         Dimensions of the parts with their manufacturing errors.
     """
-    h, shape = distinct_hertz(scene, drawn, drawn.ball_radius), (drawn.ball_radius.size, 4)
+    h, shape = hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii), (drawn.ball_radii.size, 4)
     return HertzConstants(*(np.broadcast_to(x, shape) for x in (h.C, h.C_a, h.C_b, h.eccentricity)))
 
 
-def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
+def hertz_at_contact_angles(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -> HertzConstants:
     """Return the Hertz constants ``(N, 4)`` at given contact angles, from the curvatures of the surfaces with their errors.
 
     Parameters
@@ -263,7 +272,7 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
     return hertz_from_curvatures(scene, curvatures)
 
 
-def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
+def relative_curvatures(scene: Scene, drawn: GeometryWithErrors, gamma: Array) -> Array:
     """Return the relative principal curvatures ``(N, 4, 2)`` [1/m] of each ball and flank, across the groove first.
 
     Parameters
@@ -275,7 +284,7 @@ def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
     gamma
         Contact angles ``(N, 4)`` [rad] at which curvatures are taken.
     """
-    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
+    return np.asarray(1.0 / drawn.ball_radii[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
 def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
@@ -296,7 +305,7 @@ def hertz_from_curvatures(scene: Scene, curvatures: Array) -> HertzConstants:
     return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
 
 
-def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
+def misprinted_hertz_of_flanks(scene: Scene) -> tuple[PrintedHertzConstants, PrintedHertzConstants]:
     """Return the Hertz constants of a screw flank and of a nut flank as misprinted in Table B.1 of Lin's thesis.
 
     The principal radii of that table are no radii of curvature; see `meshes.surface.printed_principal_radii`.
@@ -307,25 +316,25 @@ def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
         Screw or bearing.
     """
     bare = replace(scene, errors=Errors())
-    drawn = draw_specimen(bare, ball_layout(bare))
+    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
     ball = scene.balls.material
 
-    def hertz_of(side: int, body: Material) -> PrintedHertz:
+    def hertz_of(side: int, body: Material) -> PrintedHertzConstants:
         """Return the Hertz constants of one flank by Lin's Table B.1; ``body``: material of the screw or nut."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
-        return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
+        return hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
 
     return hertz_of(0, scene.screw.material), hertz_of(3, scene.nut.material)
 
 
 def _misprinted_hertz_C(scene: Scene) -> Array:
     """Return the Hertz constant C of each flank as misprinted in Table B.1 of Lin's thesis, ``(4,)`` [m/N^(2/3)]."""
-    return np.repeat([side.C for side in printed_sides(scene)], 2)
+    return np.repeat([side.C for side in misprinted_hertz_of_flanks(scene)], 2)
 
 
-def with_error_free_hertz(scene: Scene) -> Scene:
+def scene_with_error_free_hertz(scene: Scene) -> Scene:
     """Return a copy of a scene that selects the Hertz constants of parts without errors, as published models use them.
 
     A scene that selects those printed in Lin's thesis (``hertz`` is "as printed") is returned unchanged.
@@ -340,7 +349,7 @@ def with_error_free_hertz(scene: Scene) -> Scene:
     return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))
 
 
-def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
+def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> Array:
     """Return the Hertz constant C ``(..., N, 4)`` [m/N^(2/3)] of each ball and flank; approach = C Q^(2/3) at the force Q.
 
     The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal ones; "as printed", Lin's
@@ -355,19 +364,19 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     ball_radius
         Radii of the balls ``(..., N)`` [m]; None: those in ``drawn``.
     """
-    radius = drawn.ball_radius if ball_radius is None else ball_radius
+    radius = drawn.ball_radii if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
         return _repeat_flank_values(
-            _misprinted_hertz_C(scene) if kind == "as printed" else error_free_hertz(scene).C, radius.shape
+            _misprinted_hertz_C(scene) if kind == "as printed" else hertz_without_errors(scene).C, radius.shape
         )
     if radius.ndim == 1:
-        return _repeat_flank_values(distinct_hertz(scene, drawn, radius).C, radius.shape)
+        return _repeat_flank_values(hertz_with_errors_if_distinct(scene, drawn, radius).C, radius.shape)
     from numpy.polynomial.chebyshev import chebinterpolate, chebval
 
     # C is smooth in the radius: a polynomial through few exact values is exact to round-off for all specimens
     middle, half = 0.5 * (radius.max() + radius.min()), max(0.5 * float(radius.max() - radius.min()), 1e-9)
-    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
+    series = chebinterpolate(lambda x: hertz_with_errors(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
     distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
     values = chebval((radius - middle) / half, distinct)

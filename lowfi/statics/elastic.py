@@ -4,9 +4,9 @@ The contact mechanics are those of `lowfi.statics.static`. In addition, the flan
 forces by a compliance matrix, which is computed (`lowfi.compliance.bodies`) or read from the file of a condensed 3D model.
 
 Specimens of a scene whose random errors concern only the radii of the balls are solved with one set of equations
-(`ElasticMembers`): the compliance of the bodies, the shaft and its supports are the same for all. Only the contacts'
-approaches, Hertz constants, and the terms that depend on the typical contact force differ. Each specimen is solved from the
-solution of the first one.
+(`SpecimensWithSharedEquations`): the compliance of the bodies, the shaft and its supports are the same for all. Only the
+contacts' approaches, Hertz constants, and the terms that depend on the typical contact force differ. Each specimen is
+solved from the solution of the first one.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ import numpy as np
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
 from rollbench.lowfi.compliance.parts import (
     REFINED,
-    Backend,
+    ComplianceModel,
     grooved_section,
     idealisation_statements,
     reduce_to_compliance_geometry,
 )
 from rollbench.lowfi.hertz import contact_stiffness_under_force
-from rollbench.lowfi.statics.contacts import hertz_C
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS
 from rollbench.lowfi.statics.kernel_types import NO_ROLLERS, RIGID, BallContacts, BodySystem, ForceState, Outcome
-from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_distances
+from rollbench.lowfi.statics.problem import Problem, SolvedState, centre_vectors_and_interference
 from rollbench.lowfi.statics.response import (
     LARGEST,
     FlankCompliance,
-    flanks_of,
+    compliance_of_screw_and_nut,
+    flank_compliance_under_loads,
+    flank_pair_data,
     only_flank_pair,
-    pair_data,
-    response_of,
-    spring_rows,
+    starting_spring_factors,
 )
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene, solutions_clear_of_left_out_flanks
-from rollbench.lowfi.statics.settle import ACCEPTED, ContactState, ModelDescription, least_residual, solver_options
+from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene, solutions_clear_of_left_out_flanks
+from rollbench.lowfi.statics.settle import ACCEPTED, ContactState, ModelDescription, residual_by_round_off, solver_options
 from rollbench.lowfi.statics.shaft import (
-    Shaft,
+    ShaftBeam,
     flank_motion_coefficients,
     nodal_loads_of_flank_forces,
     nodal_motions_of_rigid_screw,
@@ -54,23 +54,28 @@ from rollbench.lowfi.statics.shaft import (
 )
 from rollbench.lowfi.statics.static import (
     Engine,
-    OneSetEquations,
-    Solution,
+    SingleNutEquations,
+    SolvedEquations,
     StaticInput,
     pick_engine,
     residual_scale,
-    solve_built,
+    solve_static_input,
     solve_with_chosen_flanks,
 )
 from rollbench.lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import draw_specimen, draw_specimens, have_equal_circular_grooves, scene_without_random_errors
+from rollbench.meshes.errors import (
+    draw_geometries_with_errors,
+    draw_geometry_with_errors,
+    have_equal_circular_grooves,
+    scene_without_random_errors,
+)
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Scene, UnfitKey
 from rollbench.meshes.section import BeamSection
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.bodies import Condensed
+    from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
 
 #: Formulation of a solution with elastic bodies.
@@ -80,34 +85,34 @@ MARGIN = 0.2e-6
 
 
 @dataclass(kw_only=True)
-class ElasticEquations(OneSetEquations):
+class ElasticEquations(SingleNutEquations):
     """Equations of a single ball screw or ball bearing with elastic screw, nut and balls, for the numerical kernels."""
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and balls for the kernels.
-    given: BodySystem
+    kernel_arrays: BodySystem
     #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: The screw's beam with its supports.
-    shaft: Shaft
+    shaft: ShaftBeam
     #: Compliance of the bodies at the flanks.
-    bodies: FlankCompliance
+    flank_compliance: FlankCompliance
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
     @property
-    def pair(self) -> tuple[int, int] | None:
+    def only_flank_pair(self) -> tuple[int, int] | None:
         """Return the numbers of the two flanks if only one diagonal pair has contacts, the screw's flank first.
 
         Flanks are numbered SL 0, SR 1, NL 2, NR 3. None if all four flanks have contacts. The position of a ball between
         two flanks has a closed form.
         """
-        if self.given.bodies.second.size:
+        if self.kernel_arrays.bodies.second_compliance.size:
             return None
-        a = 0 if self.problem.use[0] else 1
+        a = 0 if self.problem.used_flanks[0] else 1
         return a, 3 - a
 
-    def iterate(self, from_linear: bool = True) -> Outcome:
+    def solve_by_newton(self, from_linear: bool = True) -> Outcome:
         """Solve the equilibrium by Newton's method with the present Hertz constants.
 
         Parameters
@@ -115,29 +120,34 @@ class ElasticEquations(OneSetEquations):
         from_linear
             Whether to start from the solution with linear springs for contacts, else from the present state.
         """
-        if self.pair is not None:
-            self.given.contacts.pair[:, 4] = self.problem.C[:, list(self.pair)].sum(axis=1)
-        return super().iterate(from_linear)
+        if self.only_flank_pair is not None:
+            self.kernel_arrays.contacts.flank_pair_data[:, 4] = self.problem.C[:, list(self.only_flank_pair)].sum(axis=1)
+        return super().solve_by_newton(from_linear)
 
-    def flanks(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions, as the iteration has them now."""
-        problem, state, moved, pair = self.problem, self.state, self.shifts(), self.pair
+        problem, state, moved, pair = self.problem, self.state, self.flank_motions(), self.only_flank_pair
         if pair is None:
-            return (ContactState(problem, state.contact, state.inner[:, :2].copy(), moved),)
+            return (ContactState(problem, state.contact, state.ball_unknowns[:, :2].copy(), moved),)
         a, b = pair
         N = len(moved)
         contact, p, single = np.zeros((N, 4, 5)), np.zeros((N, 2)), np.zeros((4, 5))
         contact[:, a] = contact[:, b] = state.contact[:, 0]
         contact[:, b, 1:3] *= -1.0
-        geometry, closure, drawn, tiny = problem.geometry, problem.closure, problem.drawn, self.given.contacts.tiny
+        geometry, closure, drawn, tiny = (
+            problem.geometry,
+            problem.interference,
+            problem.drawn,
+            self.kernel_arrays.contacts.unloaded_force_limit,
+        )
         for i in range(N):  # the ball's centre follows from the motions of both flanks
-            ball = geometry[i], closure[i], RIGID, drawn.ball_radius[i], drawn.profile
+            ball = geometry[i], closure[i], RIGID, drawn.ball_radii[i], drawn.profile_coefficients
             self.engine.settle_ball(p[i], moved[i].copy(), *ball, tiny, single)
         return (ContactState(problem, contact, p, moved),)
 
-    def forces(self) -> Array:
+    def forces_on_flanks(self) -> Array:
         """Return the forces of the balls on all flanks ``(N, 4, 2)`` [N]."""
-        pair, contact = self.pair, self.state.contact
+        pair, contact = self.only_flank_pair, self.state.contact
         pushes = contact[..., 0, None] * contact[..., 1:3]
         if pair is None:
             return np.asarray(pushes)
@@ -145,73 +155,75 @@ class ElasticEquations(OneSetEquations):
         out[:, pair[0]], out[:, pair[1]] = pushes[:, 0], -pushes[:, 0]
         return out
 
-    def shifts(self) -> Array:
+    def flank_motions(self) -> Array:
         """Return the motions of the four flanks ``(N, 4, 2)`` [m] in the present state; zero for a flank without contacts.
 
         The last axis holds two components in the ball's section plane, radial and along the helix's binormal.
         """
-        screw, nut, v0, R = self.bodies.kept
-        forces = self.forces()
+        screw, nut, v0, R = self.flank_compliance.flank_motion_terms
+        forces = self.forces_on_flanks()
         N, out = len(forces), np.zeros(forces.shape)
         for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
-            used = [s for s in sides if self.problem.use[s]]
+            used = [s for s in sides if self.problem.used_flanks[s]]
             out[:, used] = (G @ forces[:, used].ravel()).reshape(N, len(used), 2)
         out[:, :2] += v0 + R @ self.state.a
         return out
 
-    def round_off(self) -> float:
+    def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
-        problem, v0 = self.problem, self.given.bodies.v0
+        problem, v0 = self.problem, self.kernel_arrays.bodies.v0
         stiff = float(contact_stiffness_under_force(self.state.contact[..., 0], problem.C.min()).max(initial=0.0))
-        motion = float(np.abs(self.shifts()).max()) + float(np.abs(v0).max(initial=0.0))
-        return least_residual(motion, stiff, self.scale, [problem])
+        motion = float(np.abs(self.flank_motions()).max()) + float(np.abs(v0).max(initial=0.0))
+        return residual_by_round_off(motion, stiff, self.residual_force_scale, [problem])
 
-    def clears(self) -> bool:
+    def are_balls_clear_of_left_out_flanks(self) -> bool:
         """Return whether every ball is at least ``MARGIN`` away from all flanks that were left out.
 
         A flank that was left out is taken to move like the other flank of the same groove. ``MARGIN`` covers the
         elastic deformation between the two.
         """
-        problem, contact, p, shift = self.flanks()[0]
-        for s in np.flatnonzero(~problem.use):
+        problem, contact, p, shift = self.contact_states()[0]
+        for s in np.flatnonzero(~problem.used_flanks):
             shift[:, s] = shift[:, int(s) ^ 1]
         force = contact[None, ..., 0]
         return bool(
-            solutions_clear_of_left_out_flanks(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0]
+            solutions_clear_of_left_out_flanks(
+                p[None], shift[None], problem.geometry[None], force, problem.used_flanks, MARGIN
+            )[0]
         )
 
-    def solved(self) -> SolvedState:
+    def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions.
 
         Motions of the beam's nodes and reactions are no unknowns of the equations; they follow from the contact forces.
         """
-        problem, squeeze = self.problem, self.bodies.squeeze
-        used = [s for s in range(2) if problem.use[s]]
-        pushes = self.forces()[:, used].transpose(1, 0, 2).reshape(-1, 2)
+        problem, squeeze = self.problem, self.flank_compliance.section_force_coupling
+        used = [s for s in range(2) if problem.used_flanks[s]]
+        pushes = self.forces_on_flanks()[:, used].transpose(1, 0, 2).reshape(-1, 2)
         by_flanks = nodal_loads_of_flank_forces(problem, pushes, used)
         if squeeze is not None:
             by_flanks += squeeze.nodal_loads_of_jumps(pushes.ravel())
         motion, nodal = node_motions(self.shaft, by_flanks, self.state.a), np.zeros((problem.nodes.size, 6))
-        if problem.basis is None:
+        if problem.rigid_motion_basis is None:
             nodal = node_forces(self.shaft, by_flanks) - problem.load - by_flanks.reshape(-1, 6)
         if squeeze is not None:
             motion = squeeze.add_jumps_inside_stretches(motion, pushes, problem.fixed)
         held = np.where(problem.fixed, nodal, 0.0)
-        scale = max(self.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
-        _, contact, centre, shifts = self.flanks()[0]
+        scale = max(self.residual_force_scale, float(np.abs(held[:, :3]).max(initial=0.0)))
+        _, contact, centre, shifts = self.contact_states()[0]
         return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
-    def description(self) -> ModelDescription:
+    def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution.
 
         It states how much negative compliance of the bodies was set to zero to make the compliance matrix positive.
         """
-        build, clipped = self.build, self.bodies.clipped
+        build, clipped = self.problem_input, self.flank_compliance.clipped_share
         assert isinstance(build, ElasticInput)
         source = (
             idealisation_statements(build.backend, build.scene)
-            if build.condensed is None
-            else (build.condensed.describe_source(),)
+            if build.condensed_bodies is None
+            else (build.condensed_bodies.describe_source(),)
         )
         size = self.state.phi.size + self.state.a.size
         cut = (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's, is set to zero",)
@@ -224,21 +236,21 @@ class ElasticInput(StaticInput):
     """Input from which a ball screw's static problem with elastic bodies is built, also with other flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
-    backend: Backend = REFINED
+    backend: ComplianceModel = REFINED
     #: Compliance of the bodies condensed from a 3D model, in place of a computed one; None: computed.
-    condensed: Condensed | None = None
+    condensed_bodies: CondensedCompliance | None = None
     #: Function that computes the compliance of one complete screw or nut between its contacts.
-    whole: WholeBody = compliance_between_contacts
+    compute_body_compliance: WholeBody = compliance_between_contacts
 
     @property
-    def section(self) -> BeamSection | None:
+    def replacement_section(self) -> BeamSection | None:
         """Return the screw's cross-section with its groove, if the ``backend`` computes one; None: a plain section is used.
 
         The plain section follows from the scene's dimensions.
         """
         return grooved_section(reduce_to_compliance_geometry(self.scene), True) if self.backend.section == "cell" else None
 
-    def ready(self, problem: Problem) -> ElasticEquations:
+    def build_equations(self, problem: Problem) -> ElasticEquations:
         """Return the equations of the problem with elastic bodies for the numerical kernels.
 
         Raises
@@ -252,32 +264,46 @@ class ElasticInput(StaticInput):
         if N > LARGEST:
             reason = f"balls.count gives {N} balls: elastic bodies are allowed with at most {LARGEST}; use the model lin"
             raise UnfitKey("balls.count", reason)
-        response = response_of(problem, self.layout, self.backend, self.condensed, self.whole)
-        shaft, ball, scale = response.shaft.under(problem), response.ball, residual_scale(problem)
-        flanks, pair, drawn = flanks_of(problem, scale.typical, shaft, response), only_flank_pair(problem), problem.drawn
+        response = compliance_of_screw_and_nut(
+            problem, self.layout, self.backend, self.condensed_bodies, self.compute_body_compliance
+        )
+        shaft, ball, scale = response.shaft_beam.with_loads_of(problem), response.ball_compliance, residual_scale(problem)
+        flanks, pair, drawn = (
+            flank_compliance_under_loads(problem, scale.typical_force_for_ellipse, shaft, response),
+            only_flank_pair(problem),
+            problem.drawn,
+        )
         local, rows = np.zeros((N, 4, 3)), np.zeros((N, 7))
         local[..., 0], local[..., 2] = flanks.e, flanks.h
-        local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
+        local[..., 1] = ball.pair_coupling_root * np.array([1.0, ball.pair_coupling_sign, ball.pair_coupling_sign, 1.0])
         if pair is not None:  # only one diagonal pair of flanks: no other pair that the ball could couple it with
-            local[..., 0] += 2.0 * ball.g**2
-            rows = pair_data(problem, pair, local[..., 0], flanks.h)
-        balls = problem.geometry, problem.closure, local, drawn.ball_radius, np.repeat(drawn.profile[None], N, axis=0)
-        v0, k = flanks.bodies.v0, flanks.bodies.work.size
-        options = solver_options(scale, problem.scene.track.pitch_radius, float(drawn.ball_radius.max()))
-        springs = spring_rows(problem, pair, options.stiffness)
+            local[..., 0] += 2.0 * ball.pair_coupling_root**2
+            rows = flank_pair_data(problem, pair, local[..., 0], flanks.h)
+        balls = (
+            problem.geometry,
+            problem.interference,
+            local,
+            drawn.ball_radii,
+            np.repeat(drawn.profile_coefficients[None], N, axis=0),
+        )
+        v0, k = flanks.kernel_bodies.v0, flanks.kernel_bodies.work_on_free_motions.size
+        options = solver_options(scale, problem.scene.track.pitch_radius, float(drawn.ball_radii.max()))
+        springs = starting_spring_factors(problem, pair, options.stiffness)
         return ElasticEquations(
             engine=self.engine,
-            given=BodySystem(flanks.bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.none), springs),
+            kernel_arrays=BodySystem(
+                flanks.kernel_bodies, BallContacts(*balls, rows, NO_ROLLERS, scale.unloaded_force_limit), springs
+            ),
             state=ForceState(np.zeros(v0.shape), np.zeros(k), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))),
             options=options,
             problem=problem,
-            build=self,
+            problem_input=self,
             shaft=shaft,
-            bodies=flanks,
+            flank_compliance=flanks,
             assumed=response.assumed,
         )
 
-    def touched(self) -> str:
+    def note_on_touched_flanks(self) -> str:
         """Return the note for the result that balls may touch left-out flanks, so that all four flanks were solved."""
         return "two of the four flanks may touch balls in the solution without them: solved again with all four flanks"
 
@@ -285,8 +311,8 @@ class ElasticInput(StaticInput):
 def solve_elastic(
     scene: Scene,
     *,
-    backend: Backend = REFINED,
-    condensed: Condensed | None = None,
+    backend: ComplianceModel = REFINED,
+    condensed: CondensedCompliance | None = None,
     name: str = "refined",
     engine: Engine = "auto",
     everything: bool = False,
@@ -326,21 +352,27 @@ def solve_elastic(
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout, member)
-    uneven = drawn.profile.shape[1] > 0
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    uneven = drawn.profile_coefficients.shape[1] > 0
     kernels = pick_engine(engine, layout.z.size, uneven)
-    use = flanks_of_scene(scene) if everything or uneven else choose_sides(scene, drawn)
+    use = flanks_of_scene(scene) if everything or uneven else choose_flanks(scene, drawn)
     parts = scene, drawn, layout, use, kernels, everything, refine
-    return solve_built(ElasticInput(*parts, backend=backend, condensed=condensed), name, start)
+    return solve_static_input(ElasticInput(*parts, backend=backend, condensed_bodies=condensed), name, start)
 
 
-class ElasticMembers:
+class SpecimensWithSharedEquations:
     """Solver for specimens of a ball screw that differ only in the random radii of their balls and so share equations.
 
     The function `shared` returns whether the specimens of a scene differ in nothing else.
     """
 
-    def __init__(self, scene: Scene, backend: Backend, engine: ModuleType, like: ElasticMembers | None = None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        backend: ComplianceModel,
+        engine: ModuleType,
+        previous_specimens: SpecimensWithSharedEquations | None = None,
+    ) -> None:
         """Store the scene; the equations are built when the first specimen is solved.
 
         Parameters
@@ -351,11 +383,11 @@ class ElasticMembers:
             Method by which the compliance of screw, nut and balls is computed.
         engine
             Module of the numerical kernels.
-        like
+        previous_specimens
             The same specimens under nearly the same loads, solved before; their solutions are the starts of the iteration.
             None: each specimen starts from the solution of specimen 0.
         """
-        self.scene, self.backend, self.engine, self.like = scene, backend, engine, like
+        self.scene, self.backend, self.engine, self.like = scene, backend, engine, previous_specimens
         self.layout = ball_layout(scene)
         self._systems: dict[bytes, _SharedEquations | None] = {}
         self._states: dict[tuple[int, bytes], list[Array]] = {}  # by specimen and flanks
@@ -377,15 +409,15 @@ class ElasticMembers:
             loads on the motions of their points of action. All are nan for a specimen that these equations do not solve; it
             needs `solve_elastic`.
         """
-        drawn = draw_specimens(self.scene, self.layout, first, count)
-        offset, closure = centre_distances(self.scene, drawn)
-        nominal = draw_specimen(scene_without_random_errors(self.scene), self.layout)
-        C = hertz_C(self.scene, nominal, drawn.ball_radius)
+        drawn = draw_geometries_with_errors(self.scene, self.layout, first, count)
+        offset, closure = centre_vectors_and_interference(self.scene, drawn)
+        nominal = draw_geometry_with_errors(scene_without_random_errors(self.scene), self.layout)
+        C = hertz_constants_by_scene_choice(self.scene, nominal, drawn.ball_radii)
         loads, numbers = np.full((count, self.layout.z.size, 4), np.nan), np.full((2, count), np.nan)
         self._states.clear()
         for k in range(count):
-            dims = drawn.ball_radius[k], offset[k], closure[k], C[k]
-            use = choose_sides(self.scene, nominal, dims[1:3])
+            dims = drawn.ball_radii[k], offset[k], closure[k], C[k]
+            use = choose_flanks(self.scene, nominal, dims[1:3])
             solved = self._solve_specimen(first + k, use, dims)
             if solved is None and not np.array_equal(use, flanks_of_scene(self.scene)):
                 solved = self._solve_specimen(first + k, flanks_of_scene(self.scene), dims)
@@ -394,50 +426,52 @@ class ElasticMembers:
         return loads, *numbers
 
     def _solve_specimen(
-        self, number: int, use: Mask, dims: tuple[Array, Array, Array, Array]
+        self, number: int, used_flanks: Mask, radii_distances_interference_hertz: tuple[Array, Array, Array, Array]
     ) -> tuple[Array, float, float] | None:
-        """Solve one specimen with contacts on the flanks in ``use``; return None if that fails.
+        """Solve one specimen with contacts on the flanks in ``used_flanks``; return None if that fails.
 
         Parameters
         ----------
         number
             Number of the specimen.
-        use
+        used_flanks
             Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
-        dims
+        radii_distances_interference_hertz
             Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the first
             four arguments of `_SharedEquations.solve`, whose result is returned.
         """
-        system, key = self._equations_for_flanks(use), (number, use.tobytes())
+        system, key = self._equations_for_flanks(used_flanks), (number, used_flanks.tobytes())
         if system is None:
             return None
-        solved = system.solve(*dims, start=None if self.like is None else self.like._states.get(key))
+        solved = system.solve(
+            *radii_distances_interference_hertz, start=None if self.like is None else self.like._states.get(key)
+        )
         if solved is not None:
             self._states[key] = [array.copy() for array in system.elastic.state]
         return solved
 
-    def _equations_for_flanks(self, use: Mask) -> _SharedEquations | None:
-        """Return the equations with contacts on the flanks in ``use``, solved for specimen 0, for use by other specimens.
+    def _equations_for_flanks(self, used_flanks: Mask) -> _SharedEquations | None:
+        """Return the equations with contacts on given flanks, solved for specimen 0, for use by other specimens.
 
         If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
         no solution or its equations fit no other specimen.
         """
-        key = use.tobytes()
+        key = used_flanks.tobytes()
         if key not in self._systems:
             self._systems[key] = None
-            drawn = draw_specimen(self.scene, self.layout)
+            drawn = draw_geometry_with_errors(self.scene, self.layout)
             solved = solve_with_chosen_flanks(
-                ElasticInput(self.scene, drawn, self.layout, use, self.engine, backend=self.backend)
+                ElasticInput(self.scene, drawn, self.layout, used_flanks, self.engine, backend=self.backend)
             )
-            if isinstance(solved, Solution) and solved.outcome.status == CONVERGED:
+            if isinstance(solved, SolvedEquations) and solved.outcome.status == CONVERGED:
                 elastic = solved.system
-                if isinstance(elastic, ElasticEquations) and elastic.bodies.lent == 0.0:
+                if isinstance(elastic, ElasticEquations) and elastic.flank_compliance.compliance_moved_to_bodies == 0.0:
                     self._systems[key] = _SharedEquations(elastic)
         return self._systems[key]
 
 
-def shared(scene: Scene) -> bool:
-    """Return whether all specimens of a scene can be solved with the same equations (`ElasticMembers`).
+def can_share_equations(scene: Scene) -> bool:
+    """Return whether all specimens of a scene can be solved with the same equations (`SpecimensWithSharedEquations`).
 
     This requires that they differ only in the radii of their balls, that Hertz constants are not updated in the iteration,
     and that the screw is not rigid.
@@ -447,7 +481,10 @@ def shared(scene: Scene) -> bool:
     scene
         Scene with random errors.
     """
-    alike = have_equal_circular_grooves(scene) and len(draw_specimens(scene, ball_layout(scene), 0, 2).centre) == 1
+    alike = (
+        have_equal_circular_grooves(scene)
+        and len(draw_geometries_with_errors(scene, ball_layout(scene), 0, 2).groove_centres) == 1
+    )
     return alike and scene.ingredients.hertz != "actual" and scene.ingredients.screw != "rigid"
 
 
@@ -462,8 +499,8 @@ class _SharedEquations:
         """
         self.elastic = elastic
         self.start = [array.copy() for array in elastic.state]
-        self.local = elastic.given.contacts.local.copy()
-        self.size = float(np.cbrt(residual_scale(elastic.problem).typical))
+        self.local = elastic.kernel_arrays.contacts.compliance_terms.copy()
+        self.size = float(np.cbrt(residual_scale(elastic.problem).typical_force_for_ellipse))
         self.by_pushes, self.by_motions, self.at_rest = _external_work_coefficients(elastic)
 
     def solve(
@@ -477,7 +514,7 @@ class _SharedEquations:
             Radii of its balls ``(N,)`` [m].
         offset, closure
             Distances ``(N, 4, 4)`` [m] of ball and groove centres, and interferences ``(N, 2)`` [m], from
-            `centre_distances`.
+            `centre_vectors_and_interference`.
         C
             Hertz constants ``(N, 4)`` [m/N^(2/3)].
         start
@@ -493,40 +530,48 @@ class _SharedEquations:
         for array, first in zip(self.elastic.state, start or self.start, strict=True):
             array[:] = first
         elastic = self.elastic
-        outcome = elastic.iterate(False)
+        outcome = elastic.solve_by_newton(False)
         if outcome.status not in (CONVERGED, ITERATIONS):
             return None
-        if outcome.residual > ACCEPTED and outcome.residual > elastic.round_off():
+        if outcome.residual > ACCEPTED and outcome.residual > elastic.round_off_residual():
             return None
-        whole = np.array_equal(elastic.problem.use, flanks_of_scene(elastic.problem.scene))
-        if not whole and (outcome.status != CONVERGED or not elastic.clears()):
+        whole = np.array_equal(elastic.problem.used_flanks, flanks_of_scene(elastic.problem.scene))
+        if not whole and (outcome.status != CONVERGED or not elastic.are_balls_clear_of_left_out_flanks()):
             return None
         contact = elastic.state.contact
         loads = np.zeros(offset.shape[:2])
-        loads[:, slice(None) if elastic.pair is None else elastic.pair] = contact[..., 0]
-        on_screw = elastic.forces()[:, [s for s in (0, 1) if elastic.problem.use[s]]].swapaxes(0, 1).ravel()
+        loads[:, slice(None) if elastic.only_flank_pair is None else elastic.only_flank_pair] = contact[..., 0]
+        on_screw = (
+            elastic.forces_on_flanks()[:, [s for s in (0, 1) if elastic.problem.used_flanks[s]]].swapaxes(0, 1).ravel()
+        )
         work = float(self.by_pushes @ on_screw + self.by_motions @ elastic.state.a) + self.at_rest
         return loads, outcome.residual, work
 
     def _write_specimen(self, radii: Array, offset: Array, closure: Array, C: Array) -> None:
         """Write ball radii, interferences and contact laws of a specimen into the kernels' arrays.
 
-        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_distances` (vectors from groove to
-        ball centres, interferences); ``C`` ``(N, 4)``: Hertz constants.
+        ``radii`` ``(N,)``: ball radii [m]; ``offset``, ``closure``: result of `centre_vectors_and_interference` (vectors
+        from groove to ball centres, interferences); ``C`` ``(N, 4)``: Hertz constants.
         """
         elastic, problem = self.elastic, self.elastic.problem
         problem.geometry[..., :4], problem.geometry[..., 4] = offset, C
-        problem.closure[:], problem.drawn.ball_radius[:] = closure, radii
-        scale, slope = residual_scale(problem), elastic.bodies.slope
-        size = float(np.cbrt(scale.typical))
-        local = elastic.given.contacts.local
+        problem.interference[:], problem.drawn.ball_radii[:] = closure, radii
+        scale, slope = residual_scale(problem), elastic.flank_compliance.slope_of_e
+        size = float(np.cbrt(scale.typical_force_for_ellipse))
+        local = elastic.kernel_arrays.contacts.compliance_terms
         local[:] = self.local
         local[..., 0] += slope * np.log(size / self.size)
         local[..., 2] += slope * (1.0 / size - 1.0 / self.size)
-        if elastic.pair is not None:
-            elastic.given.contacts.pair[:] = pair_data(problem, elastic.pair, local[..., 0], local[..., 2])
-        elastic.given = elastic.given._replace(contacts=elastic.given.contacts._replace(tiny=scale.none))
-        elastic.options = elastic.options._replace(floor=scale.floor, furthest=float(radii.max()))
+        if elastic.only_flank_pair is not None:
+            elastic.kernel_arrays.contacts.flank_pair_data[:] = flank_pair_data(
+                problem, elastic.only_flank_pair, local[..., 0], local[..., 2]
+            )
+        elastic.kernel_arrays = elastic.kernel_arrays._replace(
+            contacts=elastic.kernel_arrays.contacts._replace(unloaded_force_limit=scale.unloaded_force_limit)
+        )
+        elastic.options = elastic.options._replace(
+            least_force_scale=scale.least_force_scale, max_flank_motion_per_step=float(radii.max())
+        )
 
 
 def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array, float]:
@@ -536,16 +581,22 @@ def _external_work_coefficients(elastic: ElasticEquations) -> tuple[Array, Array
     the work by the forces of the balls on the c screw flanks ``(2 c,)`` [J/N], derivative by the amplitudes of the k free
     motions ``(k,)`` [N], and constant part [J].
     """
-    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.bodies.squeeze
+    problem, shaft, squeeze = elastic.problem, elastic.shaft, elastic.flank_compliance.section_force_coupling
     load = problem.load.ravel()
-    dof, rows = flank_motion_coefficients(problem, [s for s in range(2) if problem.use[s]])
+    dof, rows = flank_motion_coefficients(problem, [s for s in range(2) if problem.used_flanks[s]])
     by_flanks = np.zeros((load.size, 2 * len(rows)))
     for c in range(len(rows)):
         by_flanks[dof[c], 2 * c], by_flanks[dof[c], 2 * c + 1] = rows[c]
     given, inside = np.zeros(load.size), np.zeros(by_flanks.shape[1])
     if squeeze is not None:
-        by_flanks += squeeze.wrenches.T @ squeeze.jumps
-        given = squeeze.wrenches.T @ squeeze.given
-        inside = squeeze.inside.by_loads(np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1))[:, 0]
+        by_flanks += squeeze.wrenches_per_nodal_motion.T @ squeeze.jumps_per_flank_force
+        given = squeeze.wrenches_per_nodal_motion.T @ squeeze.jumps_by_external_loads
+        inside = squeeze.jumps_inside_stretches.flank_motions_by_nodal_loads(
+            np.where(problem.fixed, 0.0, problem.load).reshape(-1, 1)
+        )[:, 0]
     moved = node_motions(shaft, given, np.zeros(elastic.state.a.size)).ravel()
-    return load @ shaft.solve(by_flanks) + inside, load @ nodal_motions_of_rigid_screw(shaft), float(load @ moved)
+    return (
+        load @ shaft.motions_under_loads(by_flanks) + inside,
+        load @ nodal_motions_of_rigid_screw(shaft),
+        float(load @ moved),
+    )

@@ -18,30 +18,30 @@ import numpy as np
 
 from rollbench.lowfi.statics.problem import SIGNS, Problem, point_motion_matrix
 from rollbench.lowfi.statics.result import Status
-from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints, rigid_transport
+from rollbench.lowfi.statics.shape import independent_columns, null_space_of_constraints, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import nominal_contact_points
 from rollbench.meshes.parts import FREEDOMS
 
 
 @dataclass(frozen=True)
-class Mechanism:
+class UnresistedMotions:
     """Rigid motions of the screw that neither a support nor a contact resists, and pins that prevent them.
 
     A pin is a degree of freedom that the model fixes although no support does.
     """
 
     #: Whether the loads do work on such a motion, so that there is no equilibrium.
-    driven: bool
+    is_driven_by_loads: bool
     #: Description of the motion in words, for the user; empty if there is none.
-    text: str
+    description: str
     #: Numbers (0 to 5) of the degrees of freedom of the first node to fix; for a rigid screw, of its coordinates (columns
     #: of `Problem.basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False
     #: Degrees of freedom that could be fixed in place of the pins; empty if there is no alternative.
-    others: tuple[int, ...] = ()
+    alternative_pins: tuple[int, ...] = ()
 
 
 def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
@@ -60,9 +60,9 @@ def _motions_free_of_supports(problem: Problem) -> tuple[Array, Array, Array]:
     arm = problem.scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     z = problem.nodes
-    transport = rigid_transport(z - z[0])
-    if problem.basis is not None:
-        motions = problem.basis[:, ~problem.fixed[0]]
+    transport = rigid_motion_transfer_matrix(z - z[0])
+    if problem.rigid_motion_basis is not None:
+        motions = problem.rigid_motion_basis[:, ~problem.fixed[0]]
         work = problem.load[0, ~problem.fixed[0]]
     else:
         motions = scale[:, None] * null_space_of_constraints(transport[problem.fixed] * scale).T
@@ -89,7 +89,7 @@ def loads_do_work_on(work: Array, load: Array, arm: float) -> bool:
     return float(np.abs(work).max()) > 1e-9 * total > 0.0
 
 
-def free_motions(problem: Problem) -> Mechanism:
+def find_unresisted_motions(problem: Problem) -> UnresistedMotions:
     """Return the rigid motions of the screw that no contact and no support resists, and whether the loads drive them.
 
     Parameters
@@ -98,26 +98,32 @@ def free_motions(problem: Problem) -> Mechanism:
         Arrays of the static problem.
     """
     track = problem.scene.track
-    twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
+    twist = float(np.abs(problem.load[:, 5]).sum()) if problem.rigid_motion_basis is None else 0.0
     no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1
     motions, flanks, work = _motions_free_of_supports(problem)
     if motions.shape[1] == 0:
-        return Mechanism(False, "", (), no_torsion)
+        return UnresistedMotions(False, "", (), no_torsion)
     null = null_space_of_constraints(flanks)
     if null.shape[0] == 0:
-        return Mechanism(False, "", (), no_torsion)
+        return UnresistedMotions(False, "", (), no_torsion)
     free = motions @ null.T
-    seen = rigid_transport(problem.scene.nut.position - float(problem.nodes[0])) @ free
+    seen = rigid_motion_transfer_matrix(problem.scene.nut.position - float(problem.nodes[0])) @ free
     text = _describe_free_motions(seen, track.lead, track.pitch_radius)
     if loads_do_work_on(null @ work, problem.load, track.pitch_radius):
-        return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
-    if problem.basis is not None:  # degrees of freedom are the columns of the basis that the supports leave free
+        return UnresistedMotions(True, f"{text}: no support and no contact resists it, and the loads drive it")
+    if (
+        problem.rigid_motion_basis is not None
+    ):  # degrees of freedom are the columns of the basis that the supports leave free
         left = np.flatnonzero(~problem.fixed[0])
         pins = tuple(int(left[k]) for k in independent_columns(null))
     else:
         pins = tuple(independent_columns(free.T))
-    return Mechanism(
-        False, text, pins, no_torsion, _alternative_pins(free, pins, track.pitch_radius) if problem.basis is None else ()
+    return UnresistedMotions(
+        False,
+        text,
+        pins,
+        no_torsion,
+        _alternative_pins(free, pins, track.pitch_radius) if problem.rigid_motion_basis is None else (),
     )
 
 
@@ -150,7 +156,7 @@ def _describe_free_motions(free: Array, lead: float, arm: float) -> str:
 PROVEN = 1e-7
 
 
-def opening_motion(problem: Problem) -> Array | None:
+def find_opening_motion(problem: Problem) -> Array | None:
     """Find a rigid motion of the screw that opens all contacts while the load does work, by a linear program.
 
     Contacts are taken at their nominal angles.
@@ -180,11 +186,11 @@ def opening_motion(problem: Problem) -> Array | None:
     work = np.zeros(6)
     held: list[Array] = []
     for load in scene.loads:
-        work += scale * (rigid_transport(load.at - z0).T @ np.concatenate([load.force, load.moment]))
+        work += scale * (rigid_motion_transfer_matrix(load.at - z0).T @ np.concatenate([load.force, load.moment]))
     for support in scene.supports:
-        transport = rigid_transport(support.at - z0) * scale
+        transport = rigid_motion_transfer_matrix(support.at - z0) * scale
         held += [transport[FREEDOMS.index(name)] for name, _ in support.fixed]
-    return None if not work.any() else solve_opening_program(work, rows, np.array(held).reshape(-1, 6))
+    return None if not work.any() else find_opening_by_linear_program(work, rows, np.array(held).reshape(-1, 6))
 
 
 def approach_change_by_motions(side: int, angle: float, flank_motions: Array, first_ball: int, ball_count: int) -> Array:
@@ -215,7 +221,7 @@ def approach_change_by_motions(side: int, angle: float, flank_motions: Array, fi
     return np.concatenate([-np.einsum("a,nak->nk", direction, flank_motions), centres.reshape(N, -1)], axis=1)
 
 
-def solve_opening_program(work: Array, approach_rows: Any, fixed_motion_rows: Array) -> Array | None:
+def find_opening_by_linear_program(work: Array, approach_rows: Any, fixed_motion_rows: Array) -> Array | None:
     """Find, by a linear program, a motion on which the loads do work while no contact is compressed.
 
     Fixed degrees of freedom do not move.

@@ -34,20 +34,20 @@ class BeamContacts(NamedTuple):
     """Arrays of the balls between a screw, modelled as a beam, and a fixed nut."""
 
     #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
-    node: Array
+    first_nodes: Array
     #: Motions (N, 2, 2, m) of the flanks SL and SR, with two components in the ball's section plane (radial, and along the
     #: helix's binormal), per unit of the six motions of that node (m = 6), or of that node and the next one (m = 12).
     B: Array
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
     #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
-    closure: Array
+    interference: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
     #: Profile errors of the flanks (4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Force [N] below which a contact counts as unloaded.
-    tiny: float
+    unloaded_force_limit: float
 
 
 class MotionState(NamedTuple):
@@ -68,7 +68,7 @@ class MotionState(NamedTuple):
     slices: Array
 
 
-class MemberArrays(NamedTuple):
+class SpecimenArrays(NamedTuple):
     """Arrays of m specimens of one screw with different manufacturing errors, in place of those in `BeamContacts`."""
 
     #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
@@ -76,12 +76,12 @@ class MemberArrays(NamedTuple):
     #: Geometry and Hertz constants of the contacts (m, N, 4, 9).
     geometry: Array
     #: Nominal interference (m, N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
-    closure: Array
+    interference: Array
     #: Radii of the balls (m, N) [m].
     r_ball: Array
 
 
-class MemberStates(NamedTuple):
+class SpecimenSolutions(NamedTuple):
     """Solutions of m specimens of one screw with different manufacturing errors."""
 
     #: Contact forces (m, N, 4) [N].
@@ -103,14 +103,14 @@ class EnergyDerivatives(NamedTuple):
     gradient: Array
     #: Second derivatives of each ball's energy by the motions of its flanks [N/m]: (N, 4, 4) for the screw's flanks only,
     #: or (N, 8, 8) for all four flanks.
-    hessians: Array
+    ball_hessians: Array
 
 
 class MotionWorkspace(NamedTuple):
     """Work arrays of the Newton iteration whose unknowns are the motions of shaft nodes and housings."""
 
     #: Derivatives of the energy.
-    slopes: EnergyDerivatives
+    energy_derivatives: EnergyDerivatives
     #: Stiffness matrix of shaft and springs without contacts, stored as lower band or envelope.
     base: Array
     #: Factor of the stiffness matrix with contacts, stored in the same form.
@@ -123,23 +123,23 @@ class MotionWorkspace(NamedTuple):
     d0: Array
 
 
-class Options(NamedTuple):
+class NewtonOptions(NamedTuple):
     """Parameters of the Newton iteration in `lowfi.statics.kernel.descent`: tolerance, limits and typical values."""
 
     #: Relative residual at which the iteration ends.
     tolerance: float
     #: Largest number of iterations.
-    most: int
+    max_iterations: int
     #: Stiffness of a typical contact [N/m].
     stiffness: float
     #: Length [m] by which moments are divided where they are compared with forces.
-    arm: float
+    moment_arm: float
     #: Motion [m] above which a body counts as not restrained.
-    bound: float
+    unrestrained_motion_limit: float
     #: Lower bound of the force [N] to which residuals are relative.
-    floor: float
+    least_force_scale: float
     #: Largest motion of a flank in one step [m]: the largest ball's radius.
-    furthest: float
+    max_flank_motion_per_step: float
 
 
 class BeamSystem(NamedTuple):
@@ -168,26 +168,26 @@ class AxisArrays(NamedTuple):
     #: Loads on the bodies (r, 6) [N, N m].
     load: Array
     #: Numbers of the two bodies that each of k springs joins (k, 2), -1 for the fixed frame.
-    ends: Array
+    spring_bodies: Array
     #: Matrices from the motions of these two bodies to those of the spring's ends (k, 2, 6, 6). The second has a negative
     #: sign, so that the sum of both motions is the spring's deformation.
-    reach: Array
+    spring_end_matrices: Array
     #: Stiffness matrices of the springs (k, 6, 6).
     springs: Array
     #: Position (r,) of each body in the order in which the stiffness matrix is factored.
-    place: Array
+    body_order: Array
     #: Column (6 r,) of the first stored coefficient in each row of the stiffness matrix, in the order of ``place``.
-    first: Array
+    first_columns: Array
     #: Offset (6 r + 1,) of each row in the array of stored coefficients: row i, column j is at start[i] + j; the last value
     #: is the number of coefficients.
-    start: Array
+    row_offsets: Array
 
 
 class AxisBalls(NamedTuple):
     """Arrays of the balls of all bearings and nuts of an assembly, whose flanks move with the bodies of an `AxisArrays`."""
 
     #: Number of the first body (N, 4) whose motion moves each flank, -1 if the flank is fixed.
-    row: Array
+    first_bodies: Array
     #: Motions of the flanks, with two components in the ball's section plane (radial, and along the helix's binormal), per
     #: unit of the six motions of that body (m = 6), or of that body and the next one (m = 12): (N, 4, 2, m).
     B: Array
@@ -196,13 +196,13 @@ class AxisBalls(NamedTuple):
     #: Geometry and Hertz constant of each contact (N, 4, 9), as in `BeamContacts`.
     geometry: Array
     #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
-    closure: Array
+    interference: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
     #: Profile errors of the flanks (N, 4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Force [N] below which a contact counts as unloaded.
-    tiny: float
+    unloaded_force_limit: float
 
 
 class AxisRollers(NamedTuple):
@@ -210,15 +210,15 @@ class AxisRollers(NamedTuple):
 
     The line contacts of a slice with both raceways are in series. The approach of the raceways at a slice is B q - drop,
     with the motions q of the bodies that carry the rings. The slice's force per width, p, follows from approach =
-    p (g - S ln p), see `lowfi.rollers.LineLaw`.
+    p (g - S ln p), see `lowfi.rollers.LineContactLaw`.
     """
 
     #: Numbers of the bodies (M, 2) that move inner and outer ring, -1 if the ring is fixed.
-    row: Array
+    ring_bodies: Array
     #: Approach (M, 2, 6) per unit motion of these bodies.
     B: Array
     #: Gap (M,) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
-    drop: Array
+    gap: Array
     #: Widths of the slices (M,) [m].
     width: Array
     #: Constants g (M,) of the force law [m^2/N].
@@ -227,17 +227,17 @@ class AxisRollers(NamedTuple):
     s: Array
 
 
-class Progress(NamedTuple):
+class IterationProgress(NamedTuple):
     """Progress of a Newton iteration, by which a stalled iteration is recognised."""
 
     #: Smallest relative residual so far.
-    best: float
+    smallest_residual: float
     #: Lowest energy so far [J].
-    lowest: float
+    lowest_energy: float
     #: Number of iterations since residual or energy last decreased.
-    stalled: int
+    stalled_iterations: int
     #: Number of line searches that used up all their trials.
-    stuck: int
+    exhausted_searches: int
 
 
 class AxisSystem(NamedTuple):
@@ -255,7 +255,7 @@ class AxisSystem(NamedTuple):
 Rows = BeamSystem | AxisSystem
 
 
-class Bodies(NamedTuple):
+class ElasticBodies(NamedTuple):
     """Compliance of the elastic bodies (screw and nut) at the flanks of all balls.
 
     The flanks move by v = v0 + G phi + R a, under the forces phi on the flanks and with the amplitudes a of the free rigid
@@ -264,29 +264,30 @@ class Bodies(NamedTuple):
 
     #: Compliance matrix G [m/N] of the flanks of the screw (4 N, 4 N), or of screw and nut together for one diagonal pair
     #: of flanks (2 N, 2 N).
-    first: Array
+    first_compliance: Array
     #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first`` contains both.
-    second: Array
+    second_compliance: Array
     #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
     R: Array
     #: Motions v0 of the flanks (N, d) by external loads and prescribed displacements [m].
     v0: Array
     #: Work of the external loads on the free rigid motions, per metre of amplitude (k,) [N].
-    work: Array
+    work_on_free_motions: Array
 
 
 class RollerContacts(NamedTuple):
     """Arrays of M rollers between rigid rings on an elastic shaft; at most K slices each.
 
-    The force per width of a slice, p, follows from its approach: approach = p (g - S ln p), see `lowfi.rollers.LineLaw`.
+    The force per width of a slice, p, follows from its approach: approach = p (g - S ln p), see
+    `lowfi.rollers.LineContactLaw`.
     """
 
     #: Positions (M, K) of the slices along the roller, divided by the roller's length.
-    place: Array
+    slice_positions: Array
     #: Widths of the slices (M, K) [m], 0 for unused slices.
     width: Array
     #: Gap (M, K) [m] that the roller's crowning and the ring's axial offset leave, which is subtracted from the approach.
-    drop: Array
+    gap: Array
     #: Constants g (M,) of the force law [m^2/N].
     g: Array
     #: Constants S (M,) of the force law [m^2/N].
@@ -299,21 +300,21 @@ class BallContacts(NamedTuple):
     #: Geometry and Hertz constant of each contact (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
     #: Nominal interference (N, 2) [m] of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL.
-    closure: Array
+    interference: Array
     #: Coefficients of the terms that are added to Hertz's approach of each contact (N, 4, 3): e [m/N] of the term e F at
     #: the force F; decrease of the approach per unit amplitude of the ball's deformation; h [m/N^(4/3)] of h F^(4/3).
-    local: Array
+    compliance_terms: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
     #: Profile errors of the flanks (N, 4, p) [m]: p coefficients of a polynomial of the contact angle, ascending powers.
     profile: Array
     #: Contact data (N, 7) of balls between one diagonal pair of circular flanks, see
     #: `lowfi.statics.kernel.elastic.solve_balls_of_flank_pair`; zeros if four flanks are solved instead.
-    pair: Array
+    flank_pair_data: Array
     #: Data of the rollers; in arrays over all rolling elements they come after the balls.
     rollers: RollerContacts
     #: Force [N] below which a contact counts as unloaded.
-    tiny: float
+    unloaded_force_limit: float
 
 
 #: Field ``local`` of a ball that is rigid apart from its Hertz contacts, see `lowfi.statics.kernel.ball`.
@@ -334,7 +335,7 @@ class ForceState(NamedTuple):
     #: Amplitudes of the bodies' free rigid motions, which only the contacts resist (k,) [m].
     a: Array
     #: Displacement of each ball's centre in its section plane [m] (two numbers) and amplitude of its deformation (N, 3).
-    inner: Array
+    ball_unknowns: Array
     #: Force, normal and stiffness of each contact (N, 4, 5), or (N, 1, 5) for a diagonal pair, see
     #: `lowfi.statics.kernel.ball`.
     contact: Array
@@ -351,7 +352,7 @@ class ForceStep(NamedTuple):
     da: Array
 
 
-class SearchStart(NamedTuple):
+class LineSearchStart(NamedTuple):
     """Contact forces and flank motions from which a line search along a Newton step starts."""
 
     #: Forces on the flanks (N, d) [N].
@@ -364,7 +365,7 @@ class SearchStart(NamedTuple):
     v: Array
 
 
-class BallRows(NamedTuple):
+class StiffnessFactors(NamedTuple):
     """Factors S of the tangent stiffness S^T S [N/m] of balls and rollers against motions of their flanks or rings."""
 
     #: Rows of S for each ball or roller (N, 6 or 2, d) [(N/m)^(1/2)].
@@ -379,7 +380,7 @@ class BodySystem(NamedTuple):
     """Arrays of elastic bodies with all balls and rollers."""
 
     #: Compliance of the bodies.
-    bodies: Bodies
+    bodies: ElasticBodies
     #: Contact data of all balls and rollers.
     contacts: BallContacts
     #: Linear springs between opposite flanks, w for each ball, which replace the contacts in the first solve (N, w, d):
@@ -399,9 +400,9 @@ class BodyWorkspace(NamedTuple):
     #: Newton step.
     step: ForceStep
     #: State from which the line search starts.
-    begin: SearchStart
+    search_start: LineSearchStart
     #: Factors S of the balls' stiffness S^T S.
-    rows: BallRows
+    stiffness_factors: StiffnessFactors
 
 
 class LineSearchTrial(NamedTuple):
@@ -410,17 +411,17 @@ class LineSearchTrial(NamedTuple):
     #: Energy at the start of the search [J].
     energy: float
     #: Derivative of the energy by the step length at the start of the search [J].
-    slope: float
+    start_slope: float
     #: Largest step length allowed.
-    limit: float
+    max_step: float
     #: Largest step length known to be too short.
-    low: float
+    too_short: float
     #: Smallest step length known to be too long; zero: none yet.
-    high: float
+    too_long: float
     #: Step length to try next.
     t: float
     #: Number of trials so far.
-    tried: int
+    trial_count: int
 
 
 class Outcome(NamedTuple):

@@ -16,14 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.random_errors.chain import BallScrewChain, ChainState, Law, solve_ball_screw
-from rollbench.lowfi.statics.contacts import error_free_hertz, hertz_C, own_hertz, with_error_free_hertz
+from rollbench.lowfi.random_errors.chain import BallScrewChain, BallScrewState, Law, solve_ball_screw
+from rollbench.lowfi.statics.contacts import (
+    hertz_constants_by_scene_choice,
+    hertz_of_every_contact,
+    hertz_without_errors,
+    scene_with_error_free_hertz,
+)
 from rollbench.lowfi.statics.mei import nut_tensile_stiffness
-from rollbench.lowfi.statics.problem import SIGNS, centre_distances
+from rollbench.lowfi.statics.problem import SIGNS, centre_vectors_and_interference
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.validity import contact_warnings
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.one_arc import distance_of_groove_centres
 from rollbench.meshes.parts import Scene, UnfitKey
@@ -47,25 +52,25 @@ class SpringRow:
     """The M balls of a single nut in Liu's axial model: springs between screw and nut, ordered from the loaded end."""
 
     #: Stiffness of contacts and of segments of screw and nut, and contact geometry, for Liu's equations.
-    chain: BallScrewChain
+    liu_chain: BallScrewChain
     #: Numbers of the balls in the scene, ordered from the loaded end ``(M,)``.
-    order: NDArray[np.int64]
+    ball_order: NDArray[np.int64]
     #: Interference of each ball by errors along the contact normal, ordered from the loaded end ``(M,)`` [m].
-    errors: Array
+    interferences: Array
     #: Axial load on the screw [N].
-    force: float
+    axial_load: float
     #: 1 if the load points towards larger z, else -1.
-    forward: int
+    load_direction: int
     #: Axial position of the ball at the loaded end [m].
-    at: float
+    loaded_end_position: float
     #: Axial position of the load [m].
-    beyond: float
+    load_position: float
     #: Tensile compliance of a screw segment, as a fraction of the sum of the compliances of a screw and a nut segment.
-    share: float
+    screw_compliance_share: float
     #: Tensile stiffness E A of the screw [N].
-    bar: float
+    screw_tensile_stiffness: float
 
-    def solved(self, force: float, *, compiled: bool = False) -> ChainState:
+    def solve_under_load(self, force: float, *, compiled: bool = False) -> BallScrewState:
         """Solve Liu's equations under a positive axial load, and return the loads and motions of the balls.
 
         Parameters
@@ -75,7 +80,7 @@ class SpringRow:
         compiled
             Whether to use compiled kernels.
         """
-        return solve_ball_screw(self.chain, self.errors, force, compiled=compiled)
+        return solve_ball_screw(self.liu_chain, self.interferences, force, compiled=compiled)
 
     def stiffness(self, step: float = 0.0) -> float | None:
         """Return the axial stiffness of the nut under the scene's load [N/m]; None without load.
@@ -86,12 +91,12 @@ class SpringRow:
             Load increment [N] of Liu's secant stiffness, equations (19) to (22): increment divided by the change of the
             first loaded ball's displacement. With 0 the result is the tangent stiffness at the loaded end.
         """
-        if self.force == 0.0:
+        if self.axial_load == 0.0:
             return None
-        first = self.solved(abs(self.force))
+        first = self.solve_under_load(abs(self.axial_load))
         if step == 0.0:
             return first.stiffness
-        last = self.solved(abs(self.force) + step)
+        last = self.solve_under_load(abs(self.axial_load) + step)
         return step / (last.displacement_first_loaded - first.displacement_first_loaded)
 
 
@@ -122,7 +127,7 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
     rigid = scene.ingredients.screw == "rigid"
     screw, nut = 0.0 if rigid else 1.0 / screw_section(scene).EA, 1.0 / nut_tensile_stiffness(scene)
     angle, pair = scene.track.contact_angle, 0 if force >= 0.0 else 1
-    C = error_free_hertz(scene).C
+    C = hertz_without_errors(scene).C
     chain = BallScrewChain(
         scene.ball_count,
         float((C[pair] + C[3 - pair]) ** -1.5),
@@ -133,7 +138,7 @@ def nut_as_spring_row(scene: Scene, *, member: int = 0, law: Law = "implicit") -
         law,
         tuple(float(x) for x in gaps / mean) if mean > 0.0 else (),
     )
-    errors = centre_distances(scene, draw_specimen(scene, layout, member))[1][order, pair]
+    errors = centre_vectors_and_interference(scene, draw_geometry_with_errors(scene, layout, member))[1][order, pair]
     forward = 1 if force >= 0.0 else -1
     bar = np.inf if rigid else 1.0 / screw
     return SpringRow(chain, order, errors, force, forward, float(layout.z[order[0]]), beyond, screw / (screw + nut), bar)
@@ -221,27 +226,31 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     """
     start = perf_counter()
     row, layout = nut_as_spring_row(scene, member=member, law=law), ball_layout(scene)
-    drawn = draw_specimen(scene, layout, member)
-    m, pair, chain = layout.z.size, 0 if row.forward > 0 else 1, row.chain
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    m, pair, chain = layout.z.size, 0 if row.load_direction > 0 else 1, row.liu_chain
     force, sine = np.zeros(m), np.full(m, np.sin(chain.contact_angle))
     moved, state = np.zeros(m), None
-    if row.force != 0.0:
-        state = row.solved(abs(row.force), compiled=compiled)
-        force, sine, moved = state.load, contact_angle_sines(chain, row.errors, state), _screw_motion_at_balls(row, state)
+    if row.axial_load != 0.0:
+        state = row.solve_under_load(abs(row.axial_load), compiled=compiled)
+        force, sine, moved = (
+            state.load,
+            contact_angle_sines(chain, row.interferences, state),
+            _screw_motion_at_balls(row, state),
+        )
     load, angle = np.zeros((m, 4)), np.full((m, 4), np.nan)
     for flank in (pair, 3 - pair):
-        load[row.order, flank] = force
-        angle[row.order, flank] = np.where(force > 0.0, np.arcsin(sine), np.nan)
+        load[row.ball_order, flank] = force
+        angle[row.ball_order, flank] = np.where(force > 0.0, np.arcsin(sine), np.nan)
     turned = np.where(np.isnan(angle), chain.contact_angle, angle)
     direction = SIGNS * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
     world = np.einsum("nsa,nak->nsk", direction, np.stack([layout.radial, layout.binormal], axis=1))
-    axial = row.forward * float((force * sine).sum() * np.cos(chain.lead_angle))
+    axial = row.load_direction * float((force * sine).sum() * np.cos(chain.lead_angle))
     good = state is None or state.converged
     residual = 0.0 if state is None else state.residual
-    stations, along = _centreline(scene, row, layout.z[row.order], row.forward * moved)
+    stations, along = _centreline(scene, row, layout.z[row.ball_order], row.load_direction * moved)
     line = np.zeros((stations.size, 6))
     line[:, 2] = along
-    own = own_hertz(scene, drawn)
+    own = hertz_of_every_contact(scene, drawn)
     steps = 0 if state is None else state.iterations
     return StaticResult(
         model="liu",
@@ -253,10 +262,10 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
         contact_point=layout.centre[:, None, :] + scene.balls.radius * world,
         force_direction=-world,
         centre_shift=np.zeros((m, 2)),
-        hertz_C=hertz_C(with_error_free_hertz(scene), drawn),
+        hertz_C=hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn),
         centreline_z=stations,
         centreline=line,
-        equilibrium=_axial_equilibrium(row.force, axial),
+        equilibrium=_axial_equilibrium(row.axial_load, axial),
         solver=SolverReport(
             steps,
             steps,
@@ -273,7 +282,7 @@ def solve_liu(scene: Scene, *, member: int = 0, law: Law = "implicit", compiled:
     )
 
 
-def contact_angle_sines(chain: BallScrewChain, errors: Array, state: ChainState) -> Array:
+def contact_angle_sines(chain: BallScrewChain, errors: Array, state: BallScrewState) -> Array:
     """Return the sine of the contact angle of every ball in Liu's model ``(M,)``.
 
     An unloaded ball has the nominal contact angle.
@@ -295,13 +304,13 @@ def contact_angle_sines(chain: BallScrewChain, errors: Array, state: ChainState)
     return np.asarray(np.sqrt(1.0 - cosine**2))
 
 
-def _screw_motion_at_balls(row: SpringRow, state: ChainState) -> Array:
+def _screw_motion_at_balls(row: SpringRow, state: BallScrewState) -> Array:
     """Return the axial motion of the screw at each of the M balls, positive in the direction of the load ``(M,)`` [m].
 
     ``state``: solution of Liu's equations for the balls of ``row``. The nut's loaded end is fixed.
     """
     lost = np.concatenate([[0.0], np.cumsum(-np.diff(state.motion))])
-    return np.asarray(state.motion[0] - row.share * lost)
+    return np.asarray(state.motion[0] - row.screw_compliance_share * lost)
 
 
 def _centreline(scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: Array) -> tuple[Array, Array]:
@@ -320,11 +329,11 @@ def _centreline(scene: Scene, row: SpringRow, at_balls: Array, motion_at_balls: 
     motion_at_balls
         Motions of the screw at the balls ``(M,)`` [m].
     """
-    ends = np.array([0.0, scene.screw.length, row.beyond])
+    ends = np.array([0.0, scene.screw.length, row.load_position])
     outside = ends[(ends < at_balls.min()) | (ends > at_balls.max())]
     near = np.abs(outside - at_balls[0]) <= np.abs(outside - at_balls[-1])
-    reach = np.minimum(np.abs(outside - row.at), abs(row.beyond - row.at))
-    motion = np.where(near, motion_at_balls[0] + row.force * reach / row.bar, motion_at_balls[-1])
+    reach = np.minimum(np.abs(outside - row.loaded_end_position), abs(row.load_position - row.loaded_end_position))
+    motion = np.where(near, motion_at_balls[0] + row.axial_load * reach / row.screw_tensile_stiffness, motion_at_balls[-1])
     stations, first = np.unique(np.concatenate([at_balls, outside]), return_index=True)
     return stations, np.concatenate([motion_at_balls, motion])[first]
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from rollbench.lowfi.hertz import contact_approach, contact_force, contact_stiffness_at_approach
-from rollbench.lowfi.statics.contacts import hertz_C, with_error_free_hertz
-from rollbench.lowfi.statics.problem import SIGNS, centre_distances
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice, scene_with_error_free_hertz
+from rollbench.lowfi.statics.problem import SIGNS, centre_vectors_and_interference
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import merge_close_positions, screw_section, tube_section
@@ -34,7 +34,7 @@ ASSUMPTIONS = (
 
 
 @dataclass(frozen=True)
-class _AxialChain:
+class _AxialBarModel:
     """Arrays of Mei's axial model: screw and nut as rows of elastic bars that N balls join.
 
     Unknowns are the axial motions of the screw at its nodes and, with an elastic nut, of the nut at the same positions.
@@ -56,9 +56,9 @@ class _AxialChain:
     nut: NDArray[np.int64]
     #: Approach of two opposite flanks per axial motion of the screw: sine of the contact angle times cosine of the lead
     #: angle.
-    slope: float
+    approach_per_axial_motion: float
     #: Interference of the flank pairs (SL, NR) and (SR, NL) at each ball by errors and oversize ``(N, 2)`` [m].
-    closure: Array
+    interference: Array
     #: Hertz constants of the flank pairs (SL, NR) and (SR, NL), both contacts in series ``(N, 2)`` [m/N^(2/3)].
     C: Array
 
@@ -69,7 +69,7 @@ def nut_tensile_stiffness(scene: Scene) -> float:
     return tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
 
 
-def _bars(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
+def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: float) -> None:
     """Add the tensile stiffness of a row of bars to a stiffness matrix, which is changed in place.
 
     Parameters
@@ -91,15 +91,15 @@ def _bars(band: Array, unknowns: NDArray[np.int64], stations: Array, stiffness: 
         band[high - low, low] -= s
 
 
-def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialChain:
+def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialBarModel:
     """Return the arrays of Mei's model of a scene.
 
     ``member``: number of the specimen with random errors; ``elastic_nut``: whether the nut is a row of bars too, else
     rigid.
     """
-    drawn = draw_specimen(scene, layout, member)
-    _, closure = centre_distances(scene, drawn)
-    constants = hertz_C(with_error_free_hertz(scene), drawn)
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    _, closure = centre_vectors_and_interference(scene, drawn)
+    constants = hertz_constants_by_scene_choice(scene_with_error_free_hertz(scene), drawn)
     pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
@@ -111,7 +111,7 @@ def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic
     k = np.zeros((width + 2, total))
     order = width * np.arange(n, dtype=np.int64)
     if n > 1:
-        _bars(k, order, nodes, screw_section(scene).EA)
+        _add_bar_stiffness(k, order, nodes, screw_section(scene).EA)
     fixed, prescribed, load = np.zeros(total, dtype=bool), np.zeros(total), np.zeros(total)
     for z, value in held.items():
         j = order[int(np.argmin(np.abs(nodes - z)))]
@@ -125,16 +125,16 @@ def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic
         inside = np.flatnonzero((nodes >= layout.z.min() - 1e-9) & (nodes <= layout.z.max() + 1e-9))
         area = nut_tensile_stiffness(scene)
         members = order[inside] + 1
-        _bars(k, members, nodes[inside], area)
+        _add_bar_stiffness(k, members, nodes[inside], area)
         k[0, members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
         unused = np.setdiff1d(np.arange(total), np.concatenate([order, members]))
         fixed[unused] = True
         nut = screw + 1
     slope = sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
-    return _AxialChain(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
+    return _AxialBarModel(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
 
 
-def _contact(chain: _AxialChain, x: Array) -> tuple[Array, Array]:
+def _contact(chain: _AxialBarModel, x: Array) -> tuple[Array, Array]:
     """Return the contact forces ``(N, 2)`` [N] of the flank pairs (SL, NR) and (SR, NL), and their stiffness [N/m].
 
     The stiffness ``(N, 2)`` is the derivative of the force by the approach of both contacts in series.
@@ -147,11 +147,11 @@ def _contact(chain: _AxialChain, x: Array) -> tuple[Array, Array]:
         Axial motions of all unknowns [m].
     """
     relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
-    delta = chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0])
+    delta = chain.interference + chain.approach_per_axial_motion * relative[:, None] * np.array([1.0, -1.0])
     return contact_force(delta, chain.C), contact_stiffness_at_approach(delta, chain.C)
 
 
-def _gradient(chain: _AxialChain, x: Array) -> tuple[Array, Array, Array]:
+def _unbalanced_and_contact_forces(chain: _AxialBarModel, x: Array) -> tuple[Array, Array, Array]:
     """Return unbalanced axial forces of all unknowns [N], contact forces ``(N, 2)`` [N], and axial contact stiffness.
 
     The stiffness ``(N,)`` [N/m] is that of both flank pairs of each ball between screw and nut.
@@ -164,7 +164,7 @@ def _gradient(chain: _AxialChain, x: Array) -> tuple[Array, Array, Array]:
         Axial motions of all unknowns [m].
     """
     force, tangent = _contact(chain, x)
-    axial = chain.slope * (force[:, 0] - force[:, 1])
+    axial = chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])
     g = -chain.load.copy()
     for offset, row in enumerate(chain.K):
         if offset == 0:
@@ -175,10 +175,10 @@ def _gradient(chain: _AxialChain, x: Array) -> tuple[Array, Array, Array]:
     np.add.at(g, chain.screw, axial)
     if chain.nut[0] >= 0:
         np.add.at(g, chain.nut, -axial)
-    return g, force, chain.slope**2 * tangent.sum(axis=1)
+    return g, force, chain.approach_per_axial_motion**2 * tangent.sum(axis=1)
 
 
-def _minimise_by_newton(chain: _AxialChain) -> tuple[Array, int, float]:
+def _minimise_by_newton(chain: _AxialBarModel) -> tuple[Array, int, float]:
     """Minimise the convex energy of Mei's model by a regularised Newton iteration.
 
     Returns the axial motions of all unknowns [m], the number of Newton steps, and the relative residual.
@@ -186,12 +186,12 @@ def _minimise_by_newton(chain: _AxialChain) -> tuple[Array, int, float]:
     x = np.where(chain.fixed, chain.prescribed, 0.0)
     free = ~chain.fixed
     total = max(float(np.abs(chain.load).sum()), 1e-300)
-    share = total / (chain.screw.size * chain.slope)
-    guess = np.sign(chain.load.sum()) * float(contact_approach(share, chain.C.mean())) / chain.slope
+    share = total / (chain.screw.size * chain.approach_per_axial_motion)
+    guess = np.sign(chain.load.sum()) * float(contact_approach(share, chain.C.mean())) / chain.approach_per_axial_motion
     x[free] += guess
     residual, iteration = np.inf, 0
     for iteration in range(MAX_ITERATIONS):  # noqa: B007
-        g, force, stiffness = _gradient(chain, x)
+        g, force, stiffness = _unbalanced_and_contact_forces(chain, x)
         scale = max(float(force.max(initial=0.0)), float(np.abs(chain.load).max(initial=0.0)))
         residual = float(np.abs(g[free]).max(initial=0.0)) / scale if scale else 0.0
         if residual <= 1e-12:
@@ -212,7 +212,7 @@ def _minimise_by_newton(chain: _AxialChain) -> tuple[Array, int, float]:
         slope = float(g @ step)
         t = 1.0
         for _ in range(40):
-            ahead = float(_gradient(chain, x + t * step)[0][free] @ step[free])
+            ahead = float(_unbalanced_and_contact_forces(chain, x + t * step)[0][free] @ step[free])
             if ahead <= 0.5 * abs(slope) or residual < 1e-9:
                 break
             t *= 0.5
@@ -264,11 +264,11 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     world = np.einsum("sa,nak->nsk", direction, axes)
     points = layout.centre[:, None, :] + scene.balls.radius * world
-    axial = float((chain.slope * (force[:, 0] - force[:, 1])).sum())
+    axial = float((chain.approach_per_axial_motion * (force[:, 0] - force[:, 1])).sum())
     applied = float(chain.load.sum())
     of_screw = np.zeros(chain.fixed.size, dtype=bool)
     of_screw[: (2 if elastic_nut else 1) * chain.nodes.size : 2 if elastic_nut else 1] = True
-    reaction = float(_gradient(chain, x)[0][of_screw & chain.fixed].sum())
+    reaction = float(_unbalanced_and_contact_forces(chain, x)[0][of_screw & chain.fixed].sum())
     size = max(abs(applied), abs(axial), 1e-300)
     zero = np.zeros(3)
     balance = Equilibrium(
@@ -307,7 +307,9 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
         contact_point=points,
         force_direction=-world,
         centre_shift=np.zeros((layout.z.size, 2)),
-        hertz_C=hertz_C(with_error_free_hertz(scene), draw_specimen(scene, layout, member)),
+        hertz_C=hertz_constants_by_scene_choice(
+            scene_with_error_free_hertz(scene), draw_geometry_with_errors(scene, layout, member)
+        ),
         centreline_z=stations,
         centreline=line,
         equilibrium=balance,

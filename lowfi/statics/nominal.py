@@ -14,22 +14,22 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.lowfi.compliance.bodies import WholeBody, compliance_between_contacts
-from rollbench.lowfi.compliance.parts import REFINED, Backend
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import ElasticInput
-from rollbench.lowfi.statics.problem import centre_distances
+from rollbench.lowfi.statics.problem import centre_vectors_and_interference
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene
+from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.lowfi.statics.static import (
     Engine,
-    Solution,
+    SolvedEquations,
     StaticInput,
     UnrestrainedProblem,
     pick_engine,
     solve_with_chosen_flanks,
 )
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Scene
 
@@ -53,7 +53,9 @@ class ContactLoads:
         return self.status == "converged"
 
 
-def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
+def contact_loads_by_beam_model(
+    scene: Scene, drawn: GeometryWithErrors, layout: BallLayout, engine: Engine = "auto"
+) -> ContactLoads:
     """Return the contact loads of balls at given positions by Lin's model, with the screw as a beam in a rigid nut.
 
     Parameters
@@ -67,19 +69,21 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     engine
         Numerical kernels: ``"interpreted"``, ``"compiled"``, or ``"auto"``, which chooses by the number of balls.
     """
-    known = centre_distances(scene, drawn)
-    use = choose_sides(scene, drawn, known)
+    known = centre_vectors_and_interference(scene, drawn)
+    use = choose_flanks(scene, drawn, known)
     return _contact_loads_of(
-        solve_with_chosen_flanks(StaticInput(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known=known))
+        solve_with_chosen_flanks(
+            StaticInput(scene, drawn, layout, use, pick_engine(engine, layout.z.size), known_centre_distances=known)
+        )
     )
 
 
-def elastic_loads(
+def contact_loads_with_elastic_bodies(
     scene: Scene,
-    drawn: Specimen,
+    drawn: GeometryWithErrors,
     layout: BallLayout,
     engine: Engine = "auto",
-    backend: Backend = REFINED,
+    backend: ComplianceModel = REFINED,
     whole: WholeBody = compliance_between_contacts,
 ) -> ContactLoads:
     """Return the contact loads of balls at given positions with elastic screw, nut and balls.
@@ -99,17 +103,17 @@ def elastic_loads(
     whole
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
-    use = flanks_of_scene(scene) if drawn.profile.shape[1] else choose_sides(scene, drawn)
+    use = flanks_of_scene(scene) if drawn.profile_coefficients.shape[1] else choose_flanks(scene, drawn)
     parts = scene, drawn, layout, use, pick_engine(engine, layout.z.size)
-    return _contact_loads_of(solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, whole=whole)))
+    return _contact_loads_of(solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, compute_body_compliance=whole)))
 
 
-def _contact_loads_of(solved: Solution | UnrestrainedProblem) -> ContactLoads:
+def _contact_loads_of(solved: SolvedEquations | UnrestrainedProblem) -> ContactLoads:
     """Return the contact forces and angles of a solution; forces and angles are nan for a problem without equilibrium."""
     if isinstance(solved, UnrestrainedProblem):
         C = solved.problem.C.copy()
         return ContactLoads(np.full(C.shape, np.nan), np.full(C.shape, np.nan), C, solved.status)
-    problem, contact, _, _ = solved.system.flanks()[0]
+    problem, contact, _, _ = solved.system.contact_states()[0]
     force = contact[..., 0].copy()
     angle = np.where(force > 0.0, contact_angles(contact[..., 1:3]), np.nan)
     return ContactLoads(force, angle, problem.C.copy(), solved.status)
@@ -151,7 +155,7 @@ def _count_loaded_contacts(scene: Scene) -> int:
     """Return the number of loaded contacts of a nominal scene, computed by the model lin; the results are cached."""
     layout = ball_layout(scene)
     try:
-        result = beam_loads(scene, draw_specimen(scene, layout), layout)
+        result = contact_loads_by_beam_model(scene, draw_geometry_with_errors(scene, layout), layout)
     except ValueError:  # the solve of the scene itself reports impossible dimensions
         return 0
     return int(np.count_nonzero(result.load > 0.0)) if result.converged else 0

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.contacts import hertz_C
-from rollbench.lowfi.statics.shape import motion_matrices, right_singular_vectors, rigid_transport
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
+from rollbench.lowfi.statics.shape import motion_matrices, right_singular_vectors, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, Specimens
+from rollbench.meshes.errors import GeometriesWithErrors, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, nominal_contact_points, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import FREEDOMS, SIDE_SIGNS, Scene
 from rollbench.meshes.section import MERGE, BeamSection, beam_nodes, contact_force_positions, screw_section
@@ -31,7 +31,7 @@ class Problem:
     #: Positions of the balls.
     layout: BallLayout
     #: Dimensions of the parts with their manufacturing errors.
-    drawn: Specimen
+    drawn: GeometryWithErrors
     #: Axial positions of the beam's nodes ``(n,)`` [m].
     nodes: Array
     #: Cross-section of the screw.
@@ -43,26 +43,26 @@ class Problem:
     #: Loads on the nodes ``(n, 6)`` [N, N m].
     load: Array
     #: Number of the first node whose motion moves each screw flank (SL, SR) at a ball ``(N, 2)``.
-    node: NDArray[np.int64]
+    first_nodes: NDArray[np.int64]
     #: Motions of the screw's two flanks at each ball, radial and along the helix's binormal, per unit of the six motions of
     #: this node (m = 6), or of the twelve motions of this node and the next one (m = 12): ``(N, 2, 2, m)``.
     B: Array
     #: Geometry and Hertz constant of each contact for the kernels ``(N, 4, 9)``, see ``kernel.ball``.
     geometry: Array
     #: Nominal interference of ball and grooves across the diagonal pairs of flanks SL-NR and SR-NL ``(N, 2)`` [m].
-    closure: Array
+    interference: Array
     #: Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
-    use: NDArray[np.bool_]
+    used_flanks: NDArray[np.bool_]
     #: Number of beam elements left out because they carry no load.
     left_out_elements: int
     #: For a rigid screw, the matrix ``(6, 6)`` from its six coordinates (the free ones first, then those that supports fix)
     #: to its three displacements and three rotations; None for a beam.
-    basis: Array | None = None
+    rigid_motion_basis: Array | None = None
     #: Degrees of freedom of the first node (for a rigid screw, columns of the basis) that are fixed although no support
     #: fixes them, because no load drives and nothing resists them.
     pins: tuple[int, ...] = ()
     #: Cross-section of every beam element; None: ``section`` everywhere.
-    sections: tuple[BeamSection, ...] | None = None
+    element_sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:
@@ -78,10 +78,10 @@ class Problem:
     def half_bandwidth(self) -> int:
         """Return the half bandwidth of the screw's stiffness matrix, coupling by balls included."""
         width = 11 if self.nodes.size > 1 else 5
-        used = [s for s in range(2) if self.use[s]]
+        used = [s for s in range(2) if self.used_flanks[s]]
         if used:
             reach = self.B.shape[3] - 1
-            apart = int(np.abs(self.node[:, 0] - self.node[:, 1]).max()) if len(used) == 2 else 0
+            apart = int(np.abs(self.first_nodes[:, 0] - self.first_nodes[:, 1]).max()) if len(used) == 2 else 0
             width = max(width, 6 * apart + reach)
         return width
 
@@ -93,25 +93,25 @@ class SolvedState:
     #: Arrays of the problem.
     problem: Problem
     #: Motion of the nodes ``(n, 6)`` [m, rad].
-    motion: Array
+    nodal_motions: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
-    centre: Array
+    ball_centres: Array
     #: Contact forces ``(N, 4)`` [N].
-    force: Array
+    contact_forces: Array
     #: Unit vectors from ball to groove in the section ``(N, 4, 2)``.
-    normal: Array
+    contact_normals: Array
     #: Forces and moments of the supports on the nodes ``(n, 6)`` [N, N m]. They are zero for a rigid screw, whose reactions
     #: follow from its equilibrium.
     reactions: Array
     #: Motions of the flanks in the plane of the ball's section ``(N, 4, 2)`` [m]; None if all flanks are circular arcs.
-    shifts: Array | None
+    flank_motions: Array | None
     #: Force by which the solver divided its residual [N]: the largest force in the model.
-    scale: float
+    residual_force_scale: float
 
 
-def pack_geometry(
+def pack_contact_data(
     scene: Scene,
-    drawn: Specimen,
+    drawn: GeometryWithErrors,
     C: Array,
     use: NDArray[np.bool_],
     distances_and_interference: tuple[Array, Array] | None = None,
@@ -132,20 +132,20 @@ def pack_geometry(
     use
         Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
     distances_and_interference
-        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
+        Distances and interferences of these parts as `centre_vectors_and_interference` returns them; None: computed here.
     """
-    offset, closure = distances_and_interference or centre_distances(scene, drawn)
+    offset, closure = distances_and_interference or centre_vectors_and_interference(scene, drawn)
     n = offset.shape[0]
     rows = np.empty((n, 4, 9))
     rows[..., :4] = offset
     rows[..., 4] = C
     rows[..., 5] = use
-    rows[..., 6] = drawn.radius
+    rows[..., 6] = drawn.groove_radii
     rows[..., 7:] = SIGNS
     return rows, closure
 
 
-def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
+def centre_vectors_and_interference(scene: Scene, drawn: GeometryWithErrors | GeometriesWithErrors) -> tuple[Array, Array]:
     """Return vectors from groove to ball centres with nominal approaches, and interferences with diagonal pairs of flanks.
 
     The approach is computed from deviations, so that parts without errors have an approach of exactly zero, and small
@@ -165,13 +165,13 @@ def centre_distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, 
         approach ``(..., N, 4, 4)`` [m]; and for each ball the interference with its diagonal pairs of flanks SL-NR and
         SR-NL ``(..., N, 2)`` [m], negative for clearance.
     """
-    x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], nominal_groove_radii(scene)
+    x, z, radii = drawn.groove_centres[..., 0], drawn.groove_centres[..., 1], nominal_groove_radii(scene)
     size, nominal = _vector_length(x, z), _vector_length(*nominal_groove_centres(scene).T)
-    wider = (drawn.radius - radii) + (radii - scene.balls.radius - nominal)
-    offset = np.empty((*drawn.ball_radius.shape, 4, 4))
+    wider = (drawn.groove_radii - radii) + (radii - scene.balls.radius - nominal)
+    offset = np.empty((*drawn.ball_radii.shape, 4, 4))
     offset[..., 0], offset[..., 1], offset[..., 2] = -x, -z, size
-    approach, closure = offset[..., 3], np.empty((*drawn.ball_radius.shape, 2))
-    approach[...] = (drawn.ball_radius - scene.balls.radius)[..., None] - wider + (size - nominal)
+    approach, closure = offset[..., 3], np.empty((*drawn.ball_radii.shape, 2))
+    approach[...] = (drawn.ball_radii - scene.balls.radius)[..., None] - wider + (size - nominal)
     for a, b in ((0, 3), (1, 2)):  # pair by pair, over all balls: numpy is slow along short axes
         grown = _vector_length(x[..., a] - x[..., b], z[..., a] - z[..., b]) - size[..., a] - size[..., b]
         closure[..., a] = approach[..., a] + approach[..., b] + grown
@@ -183,7 +183,7 @@ def largest_interference(problem: Problem) -> float:
 
     Zero if all balls have clearance, or if the interference is within the round-off of the coordinates.
     """
-    closed = float(problem.closure.max(initial=0.0))
+    closed = float(problem.interference.max(initial=0.0))
     return closed if closed > round_off_approach(problem) else 0.0
 
 
@@ -203,7 +203,9 @@ def _vector_length(x: Array, z: Array) -> Array:
     return np.asarray(np.sqrt(x * x + z * z))
 
 
-def flank_motion_matrix(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+def flank_motion_matrix(
+    parts: tuple[Scene, GeometryWithErrors, BallLayout, Array | None], side: int, origin_z: Array
+) -> Array:
     """Return the matrix that gives the motion of a body's groove flank at each ball from the body's six motions.
 
     The motion is e . (u + theta x r), with displacement u and rotation theta of the body, lever arm r, and each of the two
@@ -229,7 +231,7 @@ def flank_motion_matrix(parts: tuple[Scene, Specimen, BallLayout, Array | None],
     if scene.ingredients.arm == "nominal":
         point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
     else:
-        point = drawn.centre[..., side, :] + (arms[:, side] if arms is not None else 0.0)
+        point = drawn.groove_centres[..., side, :] + (arms[:, side] if arms is not None else 0.0)
     x = layout.centre + point[..., :1] * layout.radial
     x += point[..., 1:] * layout.binormal
     x[..., 2] -= origin_z
@@ -261,7 +263,7 @@ def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
     return rows
 
 
-def lever_arms(problem: Problem, centre: Array) -> Array:
+def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
     """Return the motions of the screw's flanks per unit motion of the beam's nodes, for k specimens with groove errors.
 
     They take the place of `Problem.B`. The axes of the result are specimen, ball, screw flank (SL, SR), component in the
@@ -279,15 +281,17 @@ def lever_arms(problem: Problem, centre: Array) -> Array:
     Array
         ``(k, N, 2, 2, m)``, with m motions of one or two nodes.
     """
-    parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
+    parts = (problem.scene, replace(problem.drawn, groove_centres=centre), problem.layout, None)
     B = np.zeros((len(centre), *problem.B.shape))
     stations = contact_force_positions(problem.scene, problem.layout)
     for s in range(2):
-        if problem.basis is not None:
-            B[:, :, s] = flank_motion_matrix(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.basis
-        elif problem.use[s] and B.shape[-1] == 6:
-            B[:, :, s] = flank_motion_matrix(parts, s, problem.nodes[problem.node[:, s]])
-        elif problem.use[s]:
+        if problem.rigid_motion_basis is not None:
+            B[:, :, s] = (
+                flank_motion_matrix(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.rigid_motion_basis
+            )
+        elif problem.used_flanks[s] and B.shape[-1] == 6:
+            B[:, :, s] = flank_motion_matrix(parts, s, problem.nodes[problem.first_nodes[:, s]])
+        elif problem.used_flanks[s]:
             _, m = motion_matrices(stations[:, s], problem.nodes, problem.section)
             B[:, :, s] = flank_motion_matrix(parts, s, stations[:, s]) @ m
     return B
@@ -324,7 +328,7 @@ def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bo
 
 def build_problem(
     scene: Scene,
-    drawn: Specimen,
+    drawn: GeometryWithErrors,
     layout: BallLayout,
     use: NDArray[np.bool_],
     *,
@@ -355,7 +359,7 @@ def build_problem(
     section
         Cross-section of the screw; None: computed from the scene's dimensions (Lin C.8).
     distances_and_interference
-        Result of `centre_distances` for these parts; None: computed here.
+        Result of `centre_vectors_and_interference` for these parts; None: computed here.
 
     Raises
     ------
@@ -363,7 +367,9 @@ def build_problem(
         If supports contradict each other.
     """
     parts = (scene, drawn, layout, arms)
-    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, distances_and_interference)
+    geometry, closure = pack_contact_data(
+        scene, drawn, hertz_constants_by_scene_choice(scene, drawn), use, distances_and_interference
+    )
     section = section or screw_section(scene)
     stations = contact_force_positions(scene, layout)
     used = [s for s in range(2) if use[s]]
@@ -402,7 +408,7 @@ def _nearest_nodes(nodes: Array, stations: Array) -> NDArray[np.int64]:
 
 
 def _build_rigid_problem(
-    parts: tuple[Scene, Specimen, BallLayout, Array | None],
+    parts: tuple[Scene, GeometryWithErrors, BallLayout, Array | None],
     use: NDArray[np.bool_],
     geometry: Array,
     closure: Array,
@@ -412,7 +418,7 @@ def _build_rigid_problem(
 
     The supports are linear constraints on these motions. ``parts``: scene, dimensions with errors, ball positions, and
     shifts of the flanks' centres of curvature, as for `flank_motion_matrix`; ``use`` ``(4,)``: which flanks get contacts;
-    ``geometry``, ``closure``: result of `pack_geometry`; ``section``: cross-section of the screw.
+    ``geometry``, ``closure``: result of `pack_contact_data`; ``section``: cross-section of the screw.
 
     Raises
     ------
@@ -423,13 +429,13 @@ def _build_rigid_problem(
     z0 = scene.nut.position
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    clash = contradiction(scene)
+    clash = find_support_contradiction(scene)
     if clash is not None:
         raise ValueError(clash.message(scene))
     a, values, _ = support_constraints(scene)
     load = np.zeros(6)
     for x in scene.loads:
-        load += rigid_transport(x.at - z0).T @ np.concatenate([x.force, x.moment])
+        load += rigid_motion_transfer_matrix(x.at - z0).T @ np.concatenate([x.force, x.moment])
     held = 0
     basis = np.eye(6)
     lift = np.zeros(6)
@@ -459,7 +465,7 @@ class PrescribedMotion:
     """One degree of freedom of the screw that a support fixes, with its prescribed value."""
 
     #: Number of the support in the scene, from 0.
-    support: int
+    support_index: int
     #: Name of the degree of freedom: "ux", "uy", "uz", "rx", "ry" or "rz".
     freedom: str
     #: Prescribed value [m or rad].
@@ -467,33 +473,33 @@ class PrescribedMotion:
 
 
 @dataclass(frozen=True)
-class Contradiction:
+class SupportContradiction:
     """Contradiction between supports of a rigid screw: a prescribed displacement that others imply to be different."""
 
     #: The contradicted degree of freedom with its prescribed value.
-    held: PrescribedMotion
+    contradicted: PrescribedMotion
     #: Value that the other supports imply [m or rad].
     implied: float
     #: Fixed degrees of freedom of other supports that imply this value.
-    by: tuple[PrescribedMotion, ...]
+    implied_by: tuple[PrescribedMotion, ...]
 
     def message(self, scene: Scene) -> str:
         """Return one sentence for the user on the contradiction, with the supports' axial positions in mm.
 
         ``scene``: the screw with its supports.
         """
-        names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.by)
-        contradicted = f"{self.held.freedom} at {_describe_support_position(scene, self.held)}"
+        names = ", ".join(f"{x.freedom} at {_describe_support_position(scene, x)}" for x in self.implied_by)
+        contradicted = f"{self.contradicted.freedom} at {_describe_support_position(scene, self.contradicted)}"
         return (
             f"the supports contradict each other on a rigid screw: {contradicted} is "
-            f"{describe_prescribed_value(self.held)}, but {names} "
-            f"make it {describe_prescribed_value(PrescribedMotion(0, self.held.freedom, self.implied))}"
+            f"{describe_prescribed_value(self.contradicted)}, but {names} "
+            f"make it {describe_prescribed_value(PrescribedMotion(0, self.contradicted.freedom, self.implied))}"
         )
 
 
 def _describe_support_position(scene: Scene, held: PrescribedMotion) -> str:
     """Return the axial position and the key of a support as text, for example "120 mm (supports[1])"."""
-    return f"{1e3 * scene.supports[held.support].at:g} mm (supports[{held.support}])"
+    return f"{1e3 * scene.supports[held.support_index].at:g} mm (supports[{held.support_index}])"
 
 
 def describe_prescribed_value(held: PrescribedMotion) -> str:
@@ -524,12 +530,14 @@ def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMoti
     rows, values = np.zeros((len(held), 6)), np.zeros(len(held))
     for j, x in enumerate(held):
         k = FREEDOMS.index(x.freedom)
-        rows[j] = rigid_transport(scene.supports[x.support].at - scene.nut.position)[k] * scale / scale[k]
+        rows[j] = (
+            rigid_motion_transfer_matrix(scene.supports[x.support_index].at - scene.nut.position)[k] * scale / scale[k]
+        )
         values[j] = x.value / scale[k]
     return rows, values, held
 
 
-def contradiction(scene: Scene) -> Contradiction | None:
+def find_support_contradiction(scene: Scene) -> SupportContradiction | None:
     """Return the first prescribed displacement of a rigid screw that contradicts earlier supports in the scene, if any.
 
     Parameters
@@ -560,5 +568,5 @@ def contradiction(scene: Scene) -> Contradiction | None:
         if abs(implied - values[j]) > AGREES * size:
             by = tuple(held[k] for k, x in zip(kept, share, strict=True) if abs(x) > INDEPENDENT)
             arm = 1.0 if held[j].freedom in FREEDOMS[:3] else 1.0 / scene.track.pitch_radius
-            return Contradiction(held[j], implied * arm, by)
+            return SupportContradiction(held[j], implied * arm, by)
     return None

@@ -19,28 +19,28 @@ from rollbench.lowfi.compliance.bodies import (
     ball_compliance,
     body_compliance,
     compliance_between_contacts,
-    negative_part,
+    negative_eigenvalue_part,
 )
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache as forget_bodies
-from rollbench.lowfi.compliance.parts import Backend, compliance_geometry_with_balls
+from rollbench.lowfi.compliance.parts import ComplianceModel, compliance_geometry_with_balls
 from rollbench.lowfi.hertz import contact_stiffness_under_force
-from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
-from rollbench.lowfi.statics.kernel_types import Bodies
+from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
+from rollbench.lowfi.statics.kernel_types import ElasticBodies
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.shaft import (
     SectionForceCoupling,
-    Shaft,
+    ShaftBeam,
     build_shaft,
+    build_shaft_stretch,
     couple_section_forces,
+    flank_compliance_and_free_motions,
     flank_motions_by_loads,
-    flank_response,
-    stretch_of,
 )
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.bodies import Condensed
+    from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
 
 #: Largest number of balls up to which compliance is cached.
@@ -100,11 +100,11 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
         G without negative eigenvalues; compliance that was added along the normals ``(n,)`` [m/N]; and the magnitude of the
         largest negative eigenvalue that was set to zero [m/N].
     """
-    mended, lent, cut = Compliance(G, normals).positive(tangent_compliance)
+    mended, lent, cut = ContactCompliance(G, normals).without_negative_eigenvalues(tangent_compliance)
     return mended.G, lent, cut
 
 
-class Compliance:
+class ContactCompliance:
     """Compliance matrix of a body between n contacts, and how to make it positive; it must not be changed."""
 
     def __init__(self, G: Array, normals: Array) -> None:
@@ -117,26 +117,26 @@ class Compliance:
         return _is_positive(self.G)
 
     @cached_property
-    def lacks(self) -> Array:
+    def missing_compliance(self) -> Array:
         """Return the compliance ``(n,)`` [m/N] to add along the contacts' normals for a positive semidefinite matrix.
 
         The values are upper bounds: the matrix's negative part (that of its negative eigenvalues) is projected on the
         normals, and the magnitudes in each row of this projection are summed up.
         """
-        negative = negative_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
+        negative = negative_eigenvalue_part(self.G)[0].reshape(len(self.normals), 2, -1, 2)
         missing = np.einsum("ia,iajb,jb->ij", self.normals, negative, self.normals)
         return np.asarray(np.abs(missing).sum(axis=1))
 
     @cached_property
-    def mended(self) -> tuple[Compliance, float]:
+    def with_missing_compliance(self) -> tuple[ContactCompliance, float]:
         """Return the compliance with the amount `lacks` added along the contacts' normals, without negative eigenvalues.
 
         The second entry is the magnitude [m/N] of the largest negative eigenvalue that remained and was set to zero; zero
         if there was none.
         """
-        return self.with_added_compliance(self.lacks)
+        return self.with_added_compliance(self.missing_compliance)
 
-    def with_added_compliance(self, lent: Array) -> tuple[Compliance, float]:
+    def with_added_compliance(self, lent: Array) -> tuple[ContactCompliance, float]:
         """Return a copy with compliance added along the contacts' normals; remaining negative eigenvalues are set to zero.
 
         The normals of rollers are zero vectors: rollers move with the beam alone, whose compliance must not change. The
@@ -157,13 +157,13 @@ class Compliance:
         across = self.normals[:, :, None] * self.normals[:, None, :]
         G.reshape(lent.size, 2, lent.size, 2)[contact, :, contact] += lent[:, None, None] * across
         if _is_positive(G):
-            return Compliance(G, self.normals), 0.0
+            return ContactCompliance(G, self.normals), 0.0
         elastic = np.repeat(self.normals.any(axis=1), 2)
-        rest, least = negative_part(condensed_compliance(G, elastic))
+        rest, least = negative_eigenvalue_part(condensed_compliance(G, elastic))
         G[np.ix_(elastic, elastic)] -= rest
-        return Compliance(G, self.normals), max(0.0, -least)
+        return ContactCompliance(G, self.normals), max(0.0, -least)
 
-    def positive(self, tangent: float) -> tuple[Compliance, Array, float]:
+    def without_negative_eigenvalues(self, tangent: float) -> tuple[ContactCompliance, Array, float]:
         """Return the compliance without negative eigenvalues, by the method of `without_negative_eigenvalues`.
 
         ``tangent``: tangent compliance of a contact [m/N]. Entries: the compliance; what was added to it along the normals
@@ -171,8 +171,12 @@ class Compliance:
         """
         if self.is_positive:
             return self, np.zeros(len(self.normals)), 0.0
-        lent = np.minimum(self.lacks, LENT * tangent)
-        mended, cut = self.mended if np.array_equal(lent, self.lacks) else self.with_added_compliance(lent)
+        lent = np.minimum(self.missing_compliance, LENT * tangent)
+        mended, cut = (
+            self.with_missing_compliance
+            if np.array_equal(lent, self.missing_compliance)
+            else self.with_added_compliance(lent)
+        )
         return mended, lent, cut
 
 
@@ -216,7 +220,7 @@ def contact_normals(geometry: Array) -> Array:
 
 def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
     """Return the semi-axes of the mean contact ellipse under a force [N]: across the groove and along it [m]."""
-    constants, grow = error_free_hertz(problem.scene), float(np.cbrt(force))
+    constants, grow = hertz_without_errors(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
@@ -226,63 +230,67 @@ def only_flank_pair(problem: Problem) -> tuple[int, int] | None:
     Flanks are numbered SL 0, SR 1, NL 2, NR 3: the result is (0, 3) or (1, 2). None if all four flanks have contacts or the
     flanks are not circular arcs.
     """
-    if problem.drawn.profile.shape[1] or np.all(problem.use):
+    if problem.drawn.profile_coefficients.shape[1] or np.all(problem.used_flanks):
         return None
-    a = 0 if problem.use[0] else 1
+    a = 0 if problem.used_flanks[0] else 1
     return a, 3 - a
 
 
 #: Empty compliance, between zero contacts.
-NOTHING = Compliance(np.zeros((0, 0)), np.zeros((0, 2)))
+NOTHING = ContactCompliance(np.zeros((0, 0)), np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)
-class BodyCompliance:
+class ScrewAndNutCompliance:
     """Compliance of screw (with its beam), nut and balls at the contacts of N balls; independent of loads and ball radii.
 
     The approach of a contact under the force F is C F^(2/3) (Hertz) + e F + h F^(4/3).
     """
 
     #: Beam of the screw with k free rigid motions, under the loads of the first problem that used this compliance.
-    shaft: Shaft
+    shaft_beam: ShaftBeam
     #: Compliance matrices of screw and nut between their flanks in use, ordered ball by ball [m/N].
-    bodies: tuple[Array, Array]
+    screw_and_nut: tuple[Array, Array]
     #: Compliance matrices in the form that the kernels use: if only one diagonal pair of flanks has contacts, the sum of
     #: screw and nut (one element); else screw and nut separately, each with both of its flanks (two elements).
-    solved: tuple[Compliance, ...]
+    kernel_compliances: tuple[ContactCompliance, ...]
     #: Motions of the screw's flanks per metre of the free rigid motions ``(N, 2, 2, k)``.
     R: Array
     #: Coupling of contact deformation and section forces of the shaft, under the loads of that problem; None: not modelled.
-    squeeze: SectionForceCoupling | None
+    section_force_coupling: SectionForceCoupling | None
     #: Compliance of the balls at a force of 1 N.
-    ball: BallCompliance
+    ball_compliance: BallCompliance
     #: Coefficient e of a contact at each flank ``(4,)`` [m/N], for the contact ellipse under 1 N.
     e: Array
     #: Coefficient h of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part that follows from ``slope``.
     h: Array
     #: Derivative of e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
-    slope: Array
+    slope_of_e: Array
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class _ComplianceRequest:
+class _ComplianceInput:
     """Input of a compliance computation, as the argument of a cached function; requests with an equal ``key`` are equal."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)
     layout: BallLayout = field(compare=False)
-    backend: Backend = field(compare=False)
+    backend: ComplianceModel = field(compare=False)
 
 
-def response_of(
-    problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
-) -> BodyCompliance:
+def compliance_of_screw_and_nut(
+    problem: Problem,
+    layout: BallLayout,
+    backend: ComplianceModel,
+    condensed: CondensedCompliance | None,
+    compute_body_compliance: WholeBody,
+) -> ScrewAndNutCompliance:
     """Return the compliance of screw (with its beam), nut and balls at the contacts of a problem, from a cache if possible.
 
     The result may be shared and must not be changed. It is not cached if it comes from a 3D model or from another function
-    ``whole`` than the default, or if there are more than `KEPT` balls.
+    ``compute_body_compliance`` than the default, or if there are more than `KEPT` balls.
 
     Parameters
     ----------
@@ -294,26 +302,31 @@ def response_of(
         Method by which the compliance of screw, nut and balls is computed.
     condensed
         Compliance condensed from a 3D model, in place of a computed one; None: computed.
-    whole
+    compute_body_compliance
         Function that computes the compliance of one complete screw or nut between its contacts.
     """
-    if condensed is not None or whole is not compliance_between_contacts or layout.z.size > KEPT:
-        return _compute_compliance(problem, layout, backend, condensed, whole)
-    layouts = layout.azimuth, layout.z, problem.drawn.centre, problem.nodes
-    flanks = problem.use, problem.node, problem.B, problem.fixed, np.any(problem.load, axis=1)
+    if condensed is not None or compute_body_compliance is not compliance_between_contacts or layout.z.size > KEPT:
+        return _compute_compliance(problem, layout, backend, condensed, compute_body_compliance)
+    layouts = layout.azimuth, layout.z, problem.drawn.groove_centres, problem.nodes
+    flanks = problem.used_flanks, problem.first_nodes, problem.B, problem.fixed, np.any(problem.load, axis=1)
     parts = (
         compliance_geometry_with_balls(problem.scene)[0],
         problem.scene.ingredients,
         problem.section,
-        problem.sections,
+        problem.element_sections,
         backend,
     )
-    key = *parts, only_flank_pair(problem), problem.basis is None, *(np.asarray(x).tobytes() for x in (*layouts, *flanks))
-    return cached_compliance(_ComplianceRequest(key, problem, layout, backend))
+    key = (
+        *parts,
+        only_flank_pair(problem),
+        problem.rigid_motion_basis is None,
+        *(np.asarray(x).tobytes() for x in (*layouts, *flanks)),
+    )
+    return cached_compliance(_ComplianceInput(key, problem, layout, backend))
 
 
 @lru_cache(maxsize=4)
-def cached_compliance(asked: _ComplianceRequest) -> BodyCompliance:
+def cached_compliance(asked: _ComplianceInput) -> ScrewAndNutCompliance:
     """Return the compliance of screw (with its beam), nut and balls from a cache of the last four; else compute it.
 
     ``asked``: problem, ball positions and method; only its ``key`` is compared.
@@ -322,8 +335,8 @@ def cached_compliance(asked: _ComplianceRequest) -> BodyCompliance:
 
 
 def _compute_compliance(
-    problem: Problem, layout: BallLayout, backend: Backend, condensed: Condensed | None, whole: WholeBody
-) -> BodyCompliance:
+    problem: Problem, layout: BallLayout, backend: ComplianceModel, condensed: CondensedCompliance | None, whole: WholeBody
+) -> ScrewAndNutCompliance:
     """Compute the compliance of screw (with its beam), nut and balls at the contacts of a problem, without a cache.
 
     ``layout``: ball positions; ``backend``: method; ``condensed``: compliance from a 3D model in place of a computed one;
@@ -332,43 +345,48 @@ def _compute_compliance(
     scene, shaft, N = problem.scene, build_shaft(problem), layout.z.size
     axes = typical_axes(problem, 1.0)
     ball = ball_compliance(scene, axes, backend)
-    of_file = ball if condensed is None else condensed.ball(scene, axes)
-    if condensed is not None and condensed.whole:
+    of_file = ball if condensed is None else condensed.ball_compliance_of_file(scene, axes)
+    if condensed is not None and condensed.covers_screw_and_nut:
         ball = of_file
     e, h, slope = np.zeros(4), np.zeros(4), np.zeros(4)
     if backend.ball == "sphere":
-        h[:] = oblique_term(error_free_hertz(scene), scene.balls.radius)
-    assumed, G, squeeze, R = [], [], None, np.zeros((N, 2, 2, shaft.work.size))
+        h[:] = oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
+    assumed, G, squeeze, R = [], [], None, np.zeros((N, 2, 2, shaft.work_on_free_motions.size))
     for screw in (True, False):
-        sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
+        sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.used_flanks[s]]
         body = body_compliance(scene, layout, screw, backend, axes, [s % 2 for s in sides], whole)
-        assumed += [x for x in body.assumed if x not in assumed]
-        e[sides], slope[sides] = body.e + ball.e, body.slope + ball.slope
+        assumed += [x for x in body.assumed_dimensions if x not in assumed]
+        e[sides], slope[sides] = (
+            body.contact_compliance + ball.contact_compliance,
+            body.contact_compliance_slope + ball.contact_compliance_slope,
+        )
         order = order_ball_by_ball(N, len(sides))
         compliance = body.G[np.ix_(order, order)]
         if screw:
-            beam, rigid = flank_response(shaft, sides)
-            stretch = stretch_of(problem, scene, layout, backend, sides, slice(0, N))
+            beam, rigid = flank_compliance_and_free_motions(shaft, sides)
+            stretch = build_shaft_stretch(problem, scene, layout, backend, sides, slice(0, N))
             squeeze = couple_section_forces(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
-                beam = beam + squeeze.added
+                beam = beam + squeeze.added_compliance
             compliance = compliance + beam[np.ix_(order, order)]
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
             for s in condensed.flanks_covered_by_file(sides):
-                (e[s], h[s]), slope[s] = condensed.bodies.fit_local_approach_over_load(s), 0.0
-                e[s] += of_file.e
+                (e[s], h[s]), slope[s] = condensed.file_contents.fit_local_approach_over_load(s), 0.0
+                e[s] += of_file.contact_compliance
             compliance = condensed.replace_normal_compliance(scene, layout, sides, compliance, backend)
         G.append(compliance)
     normals, pair = contact_normals(problem.geometry), only_flank_pair(problem)
     if pair is not None:
-        solved = [Compliance(G[0] + G[1], normals[:, pair[0]])]
+        solved = [ContactCompliance(G[0] + G[1], normals[:, pair[0]])]
     else:
         solved = [
-            Compliance(compliance_of_both_flanks(G[k], problem.use[side], N), normals[:, side].reshape(-1, 2))
+            ContactCompliance(
+                compliance_of_both_flanks(G[k], problem.used_flanks[side], N), normals[:, side].reshape(-1, 2)
+            )
             for k, side in enumerate((slice(0, 2), slice(2, 4)))
         ]
-    return BodyCompliance(shaft, (G[0], G[1]), tuple(solved), R, squeeze, ball, e, h, slope, tuple(assumed))
+    return ScrewAndNutCompliance(shaft, (G[0], G[1]), tuple(solved), R, squeeze, ball, e, h, slope, tuple(assumed))
 
 
 def clear_compliance_caches() -> None:
@@ -389,27 +407,27 @@ class FlankCompliance:
     """
 
     #: Compliance of the bodies as arrays for the kernels.
-    bodies: Bodies
+    kernel_bodies: ElasticBodies
     #: Coefficient e of the term e F that is added to Hertz's approach of each contact ``(N, 4)`` [m/N].
     e: Array
     #: Coefficient h of the term h F^(4/3) that is added to Hertz's approach of each contact ``(N, 4)`` [m/N^(4/3)].
     h: Array
     #: Magnitude of the largest negative compliance of a body that was set to zero, relative to the compliance of a contact.
-    clipped: float
+    clipped_share: float
     #: Four arrays from which the result computes the flanks' motions: compliance matrices of screw and of nut between
     #: flanks with contacts, and motions of the screw's flanks by loads ``(N, 2, 2)`` and per metre of its free rigid
     #: motions ``(N, 2, 2, k)``.
-    kept: tuple[Array, Array, Array, Array]
+    flank_motion_terms: tuple[Array, Array, Array, Array]
     #: Derivative of e by the logarithm of s, the cube root of the typical force, at each flank ``(4,)`` [m/N]; h contains
     #: slope / s.
-    slope: Array
+    slope_of_e: Array
     #: Largest compliance that was moved from a contact's law to the bodies [m/N], see `without_negative_eigenvalues`.
-    lent: float
+    compliance_moved_to_bodies: float
     #: Coupling with the shaft's section forces; None: not modelled.
-    squeeze: SectionForceCoupling | None = None
+    section_force_coupling: SectionForceCoupling | None = None
 
 
-def contact_compliance(problem: Problem, force: float) -> float:
+def tangent_compliance_of_contact(problem: Problem, force: float) -> float:
     """Return the tangent compliance of a contact [m/N] under a force [N]: the derivative of its approach by the force.
 
     It follows from Hertz's law with the mean Hertz constant of all contacts of the ``problem``.
@@ -417,7 +435,9 @@ def contact_compliance(problem: Problem, force: float) -> float:
     return float(1.0 / contact_stiffness_under_force(force, float(np.mean(problem.C))))
 
 
-def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompliance) -> FlankCompliance:
+def flank_compliance_under_loads(
+    problem: Problem, force: float, shaft: ShaftBeam, response: ScrewAndNutCompliance
+) -> FlankCompliance:
     """Return the compliance of all flanks, and the terms that are added to Hertz's contact law, for given loads.
 
     Parameters
@@ -431,37 +451,39 @@ def flanks_of(problem: Problem, force: float, shaft: Shaft, response: BodyCompli
     response
         Compliance of shaft, screw and nut.
     """
-    N, squeeze = len(problem.C), response.squeeze
-    size, tangent = float(np.cbrt(force)), contact_compliance(problem, force)
-    sides = [s for s in (0, 1) if problem.use[s]]
+    N, squeeze = len(problem.C), response.section_force_coupling
+    size, tangent = float(np.cbrt(force)), tangent_compliance_of_contact(problem, force)
+    sides = [s for s in (0, 1) if problem.used_flanks[s]]
     moved, v0 = flank_motions_by_loads(shaft, sides), np.zeros((N, 2, 2))
     if squeeze is not None:
-        squeeze = squeeze.under(shaft)
-        moved = moved + squeeze.moved
+        squeeze = squeeze.under_loads_of(shaft)
+        moved = moved + squeeze.flank_motions_by_loads
     v0[:, sides] = moved[order_ball_by_ball(N, len(sides))].reshape(N, len(sides), 2)
     e, h = np.zeros((N, 4)), np.zeros((N, 4))
-    used = problem.use  # log F^(1/3) in e is replaced by its tangent at the typical force
-    e[:, used] = (response.e + response.slope * (np.log(size) - 1.0))[used]
-    h[:, used] = (response.h + response.slope / size)[used]
+    used = problem.used_flanks  # log F^(1/3) in e is replaced by its tangent at the typical force
+    e[:, used] = (response.e + response.slope_of_e * (np.log(size) - 1.0))[used]
+    h[:, used] = (response.h + response.slope_of_e / size)[used]
     pair = only_flank_pair(problem)
     if pair is not None:
-        first, lent, clipped = response.solved[0].positive(tangent)
+        first, lent, clipped = response.kernel_compliances[0].without_negative_eigenvalues(tangent)
         e[:, pair[0]] -= lent
         second, most_lent, s = NOTHING, float(lent.max(initial=0.0)), pair[0] % 2
         start, free = v0[:, s], response.R[:, s]
     else:
-        (first, on_screw, low), (second, on_nut, high) = (body.positive(tangent) for body in response.solved)
+        (first, on_screw, low), (second, on_nut, high) = (
+            body.without_negative_eigenvalues(tangent) for body in response.kernel_compliances
+        )
         e -= np.concatenate([on_screw.reshape(N, 2), on_nut.reshape(N, 2)], axis=1)
         clipped, most_lent = max(low, high), float(max(on_screw.max(initial=0.0), on_nut.max(initial=0.0)))
-        start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work.size))
+        start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, shaft.work_on_free_motions.size))
         start[:, :2], free[:, :2] = v0, response.R
     R, moved = np.ascontiguousarray(free.reshape(N, start[0].size, -1)), np.ascontiguousarray(start.reshape(N, -1))
-    bodies = Bodies(first.G, second.G, R, moved, shaft.work)
-    kept = *response.bodies, v0, response.R
-    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope, most_lent, squeeze)
+    bodies = ElasticBodies(first.G, second.G, R, moved, shaft.work_on_free_motions)
+    kept = *response.screw_and_nut, v0, response.R
+    return FlankCompliance(bodies, e, h, clipped / tangent, kept, response.slope_of_e, most_lent, squeeze)
 
 
-def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
+def flank_pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
     """Return the contact data ``(N, 7)`` of N balls that touch only two diagonally opposite flanks a and b.
 
     The columns are the vector D (two components) [m] from the nominal groove centre of b to that of a, its length |D| [m],
@@ -482,10 +504,10 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
     D = geometry[:, b, :2] - geometry[:, a, :2]
     size = np.hypot(D[:, 0], D[:, 1])
     constant = geometry[:, a, 4] + geometry[:, b, 4]
-    return np.column_stack([D, size, problem.closure[:, a], constant, e[:, a] + e[:, b], h[:, a] + h[:, b]])
+    return np.column_stack([D, size, problem.interference[:, a], constant, e[:, a] + e[:, b], h[:, a] + h[:, b]])
 
 
-def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
+def starting_spring_factors(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
     """Return factors of the stiffness of linear springs between opposite flanks, which replace balls in the first solve.
 
     Parameters
@@ -510,6 +532,6 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
         return np.ascontiguousarray(root * w[:, pair[0], None, :])
     rows = np.zeros((w.shape[0], 2, 4, 2))
     for s in range(2):
-        if problem.use[s] and problem.use[3 - s]:
+        if problem.used_flanks[s] and problem.used_flanks[3 - s]:
             rows[:, s, s], rows[:, s, 3 - s] = root * w[:, s], -root * w[:, s]
     return rows.reshape(-1, 2, 8)

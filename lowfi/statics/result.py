@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import RollingSet
 from rollbench.meshes.quantity import QuantityDescription, quantity_field, result_record
@@ -167,22 +167,22 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
-class Answering:
+class NanUnlessConverged:
     """Base class of results, which can replace the fields that are valid only for a converged solution by nan."""
 
     #: Names of the fields that are replaced.
     ANSWERS: ClassVar[tuple[str, ...]] = ()
 
-    def without_answers(self) -> Self:
+    def with_nan_answers(self) -> Self:
         """Return a copy of the result with nan in the fields named in ``ANSWERS``, also in nested records.
 
         A check of equilibrium becomes None.
         """
-        return replace(self, **{name: placeholder_without_solution(getattr(self, name)) for name in self.ANSWERS})
+        return replace(self, **{name: nan_in_place_of(getattr(self, name)) for name in self.ANSWERS})
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solved(Answering):
+class StaticSolution(NanUnlessConverged):
     """Static solution by any model: fields that results of a single screw and of an assembly of bearings have in common."""
 
     #: Name of the model.
@@ -202,7 +202,7 @@ class Solved(Answering):
     #: Neglected effects with reasons, as sentences.
     left_out: tuple[str, ...]
     #: Warnings where the solution leaves the model's range of validity.
-    warnings: tuple[Warned, ...] = ()
+    warnings: tuple[ResultWarning, ...] = ()
     #: Number of the specimen, for a scene with random errors.
     member: int = 0
     #: Force and moment of every support on the shaft, at the support's axial position ``(s, 6)`` [N, N m].
@@ -215,17 +215,17 @@ class Solved(Answering):
         """Return whether the solve converged, so that loads and motions are valid."""
         return self.status == "converged"
 
-    def of_balls(self) -> tuple[StaticResult, ...]:
+    def ball_results(self) -> tuple[StaticResult, ...]:
         """Return the static result of each ball nut and ball bearing on the shaft."""
         return ()
 
-    def answers(self) -> Self:
+    def nan_unless_converged(self) -> Self:
         """Return this result if it converged, else a copy with nan in place of loads and motions."""
-        return self if self.converged else self.without_answers()
+        return self if self.converged else self.with_nan_answers()
 
 
 @dataclass(frozen=True, kw_only=True)
-class StaticResult(Solved):
+class StaticResult(StaticSolution):
     """Static load distribution over the n balls of one ball nut or ball bearing.
 
     Arrays with an axis of length 4 are ordered by flank: SL, SR, NL, NR, which are screw (or inner ring) left and right,
@@ -252,7 +252,7 @@ class StaticResult(Solved):
     pressure: Array | None = None
     #: Names of the fields that are replaced by nan if the solution did not converge.
     ANSWERS: ClassVar[tuple[str, ...]] = (
-        *Solved.ANSWERS,
+        *StaticSolution.ANSWERS,
         "load",
         "contact_angle",
         "contact_point",
@@ -261,13 +261,13 @@ class StaticResult(Solved):
         "pressure",
     )
 
-    def of_balls(self) -> tuple[StaticResult, ...]:
+    def ball_results(self) -> tuple[StaticResult, ...]:
         """Return a tuple with this result as its only element."""
         return (self,)
 
 
 @result_record
-class SetResult(Answering):
+class SetResult(NanUnlessConverged):
     """Result of one bearing or ball nut of an assembly."""
 
     #: The bearing or ball nut.
@@ -337,7 +337,7 @@ class SetResult(Answering):
 
 
 @result_record
-class HousingResult(Answering):
+class HousingResult(NanUnlessConverged):
     """Result of one housing of an assembly."""
 
     #: Name of the housing.
@@ -366,7 +366,7 @@ class HousingResult(Answering):
 
 
 @dataclass(frozen=True, kw_only=True)
-class AxisResult(Solved):
+class AxisResult(StaticSolution):
     """Static equilibrium of an assembly: a shaft with several bearings and ball nuts."""
 
     #: Results of the bearings and ball nuts.
@@ -380,26 +380,26 @@ class AxisResult(Solved):
     #: Tangent stiffness of the whole assembly at this location ``(6, 6)`` [N/m, N, N m]; None if the location is fixed.
     stiffness: Array | None = None
     #: Names of the fields that are replaced by nan if the solution did not converge.
-    ANSWERS: ClassVar[tuple[str, ...]] = (*Solved.ANSWERS, "sets", "housings")
+    ANSWERS: ClassVar[tuple[str, ...]] = (*StaticSolution.ANSWERS, "sets", "housings")
 
-    def of_balls(self) -> tuple[StaticResult, ...]:
+    def ball_results(self) -> tuple[StaticResult, ...]:
         """Return the static result of each ball nut and ball bearing on the shaft."""
         return tuple(s.balls for s in self.sets if s.balls is not None)
 
-    def without_answers(self) -> Self:
+    def with_nan_answers(self) -> Self:
         """Return a copy with nan or None in place of loads, motions, stiffness and equilibrium sums."""
-        return replace(super().without_answers(), stiffness=None)
+        return replace(super().with_nan_answers(), stiffness=None)
 
 
-def placeholder_without_solution(value: Any) -> Any:
+def nan_in_place_of(value: Any) -> Any:
     """Return the value that stands in the result in place of ``value`` if the solution did not converge.
 
     Numbers and arrays become nan, also within records and tuples; an `Equilibrium` becomes None.
     """
     if isinstance(value, tuple):
-        return tuple(placeholder_without_solution(x) for x in value)
-    if isinstance(value, Answering):
-        return value.without_answers()
+        return tuple(nan_in_place_of(x) for x in value)
+    if isinstance(value, NanUnlessConverged):
+        return value.with_nan_answers()
     if isinstance(value, float):
         return float("nan")
     return None if value is None or isinstance(value, Equilibrium) else np.full(value.shape, np.nan)

@@ -11,14 +11,14 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.held import Mechanism
+from rollbench.lowfi.statics.held import UnresistedMotions
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import Problem, centre_distances
+from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
 from rollbench.lowfi.statics.shape import motions_at
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import Specimen
+from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.helix import BallLayout
-from rollbench.meshes.one_arc import flanks_with_contacts, has_single_arc_grooves
+from rollbench.meshes.one_arc import flanks_of_single_arc_contacts, has_single_arc_grooves
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import MERGE, contact_force_positions
 
@@ -33,10 +33,12 @@ def flanks_of_scene(scene: Scene) -> Mask:
     scene
         Screw or bearing.
     """
-    return np.isin(np.arange(4), flanks_with_contacts(scene) or range(4))
+    return np.isin(np.arange(4), flanks_of_single_arc_contacts(scene) or range(4))
 
 
-def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tuple[Array, Array] | None = None) -> Mask:
+def choose_flanks(
+    scene: Scene, drawn: GeometryWithErrors, distances_and_interference: tuple[Array, Array] | None = None
+) -> Mask:
     """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
@@ -50,7 +52,7 @@ def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tupl
     drawn
         Dimensions of the parts with their manufacturing errors.
     distances_and_interference
-        Distances and interferences of these parts as `centre_distances` returns them; None: computed here.
+        Distances and interferences of these parts as `centre_vectors_and_interference` returns them; None: computed here.
     """
     use = flanks_of_scene(scene)
     force = sum(load.force[2] for load in scene.loads)
@@ -61,13 +63,13 @@ def choose_sides(scene: Scene, drawn: Specimen, distances_and_interference: tupl
     if not np.all(use) or force == 0.0 or bent or across:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
-    _, closure = distances_and_interference or centre_distances(scene, drawn)
+    _, closure = distances_and_interference or centre_vectors_and_interference(scene, drawn)
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use
 
 
-def flank_motions(problem: Problem, motion: Array) -> Array:
+def screw_flank_motions(problem: Problem, motion: Array) -> Array:
     """Return the motions of the screw's two flanks at every ball ``(N, 2, 2)`` [m], also of flanks without contacts.
 
     The two components lie in the ball's section plane.
@@ -83,13 +85,13 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
     m = problem.B.shape[3]
     out = np.zeros((layout.z.size, 2, 2))
     for s in range(2):
-        if problem.use[s] or problem.basis is not None:
-            picks = 6 * problem.node[:, s, None] + np.arange(m)[None, :]
+        if problem.used_flanks[s] or problem.rigid_motion_basis is not None:
+            picks = 6 * problem.first_nodes[:, s, None] + np.arange(m)[None, :]
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
         stations = contact_force_positions(problem.scene, layout)[:, s]
         moved_at = motions_at(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
-        out[:, s] = motions_in_section(layout, problem.drawn.centre[:, s], stations, moved_at)
+        out[:, s] = motions_in_section(layout, problem.drawn.groove_centres[:, s], stations, moved_at)
     return out
 
 
@@ -120,7 +122,7 @@ def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motio
     return np.stack([np.sum(u * layout.radial, axis=1), np.sum(u * layout.binormal, axis=1)], axis=1)
 
 
-def flank_motions_of_beam(problem: Problem, motion: Array) -> Array | None:
+def all_flank_motions_by_screw(problem: Problem, motion: Array) -> Array | None:
     """Return the motions of all four flanks at every ball ``(N, 4, 2)`` [m] by the screw's motion, with the nut fixed.
 
     None if all flanks are circular arcs, for which contact points do not depend on these motions.
@@ -132,9 +134,9 @@ def flank_motions_of_beam(problem: Problem, motion: Array) -> Array | None:
     motion
         Motions of the nodes ``(n, 6)`` [m, rad].
     """
-    if not problem.drawn.profile.shape[1]:
+    if not problem.drawn.profile_coefficients.shape[1]:
         return None
-    moved = flank_motions(problem, motion)
+    moved = screw_flank_motions(problem, motion)
     return np.concatenate([moved, np.zeros_like(moved)], axis=1)
 
 
@@ -182,16 +184,18 @@ def solutions_clear_of_left_out_flanks(
         Least clearance required [m].
     """
     left_out = np.flatnonzero(~use)
-    loaded = _extreme_of_last_axis(np.maximum, loads) > 0.0
+    loaded = _min_or_max_along_last_axis(np.maximum, loads) > 0.0
     if np.all(loaded):
         named: slice | Mask = ~use
         if left_out.size == 2:  # a slice gives a view, without a copy
             named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
-        gap = _extreme_of_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
+        gap = _min_or_max_along_last_axis(np.minimum, gaps_to_flanks(centres, shift[:, :, named], geometry[:, :, named]))
         return np.asarray((gap >= margin).all(axis=1))
     clearance = gaps_to_flanks(centres, shift, geometry)
     gap = np.where(
-        loaded, _extreme_of_last_axis(np.minimum, clearance[..., left_out]), _extreme_of_last_axis(np.minimum, clearance)
+        loaded,
+        _min_or_max_along_last_axis(np.minimum, clearance[..., left_out]),
+        _min_or_max_along_last_axis(np.minimum, clearance),
     )
     idle = ~loaded.all(axis=1)
     elsewhere = gaps_to_flanks(shift[idle].mean(axis=2), shift[idle], geometry[idle]).min(axis=2)
@@ -199,7 +203,7 @@ def solutions_clear_of_left_out_flanks(
     return np.asarray((gap >= margin).all(axis=1))
 
 
-def _extreme_of_last_axis(of_two: np.ufunc, values: Array) -> Array:
+def _min_or_max_along_last_axis(of_two: np.ufunc, values: Array) -> Array:
     """Return the smallest or the largest value along the last axis, which is short; faster than numpy's reduction.
 
     Parameters
@@ -215,7 +219,7 @@ def _extreme_of_last_axis(of_two: np.ufunc, values: Array) -> Array:
     return out
 
 
-def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
+def touched_flanks(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
     """Return which of the flanks SL, SR, NL, NR would touch a ball if all four had contacts, as booleans ``(4,)``.
 
     The screw keeps the motion that was solved without the left-out flanks.
@@ -233,12 +237,14 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     force
         Contact forces ``(N, 4)`` [N].
     """
-    if np.array_equal(problem.use, flanks_of_scene(problem.scene)):
+    if np.array_equal(problem.used_flanks, flanks_of_scene(problem.scene)):
         return np.asarray((force > 0.0).any(axis=0))
-    moved = flank_motions(problem, motion)
-    if not problem.drawn.profile.shape[1]:
+    moved = screw_flank_motions(problem, motion)
+    if not problem.drawn.profile_coefficients.shape[1]:
         shift = np.concatenate([moved, np.zeros_like(moved)], axis=1)[None]
-        if solutions_clear_of_left_out_flanks(centres[None], shift, problem.geometry[None], force[None], problem.use)[0]:
+        if solutions_clear_of_left_out_flanks(
+            centres[None], shift, problem.geometry[None], force[None], problem.used_flanks
+        )[0]:
             return np.asarray((force > 0.0).any(axis=0))
     touched = np.zeros(4, dtype=bool)
     p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
@@ -247,13 +253,13 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     offered[..., 5] = 1.0
     for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
-        ball = offered[i], problem.closure[i], RIGID, problem.drawn.ball_radius[i], problem.drawn.profile
+        ball = offered[i], problem.interference[i], RIGID, problem.drawn.ball_radii[i], problem.drawn.profile_coefficients
         engine.settle_ball(p, shift, *ball, 0.1 * floor, contact)
         touched |= contact[:, 0] > floor
     return touched
 
 
-def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
+def describe_left_out(problem: Problem, mechanism: UnresistedMotions, *, everything: bool) -> tuple[str, ...]:
     """Return sentences for the result that name the parts which the model left out, with the reasons.
 
     Parameters
@@ -266,7 +272,7 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
         Whether the user asked for all flanks and all parts of the shaft to be modelled.
     """
     notes: list[str] = []
-    idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
+    idle = [name for name, used in zip(SIDES, problem.used_flanks, strict=True) if not used]
     if idle and has_single_arc_grooves(problem.scene):
         notes.append(f"flanks {' and '.join(idle)}: each groove is a single arc, which the other two flanks represent")
     elif idle:
@@ -283,13 +289,13 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     if mechanism.no_torsion:
         notes.append("torsion: without lead no contact force twists the shaft, and no moment about its axis is applied")
     notes.extend(
-        f"{FREEDOMS[k] + ' of the first node' if problem.basis is None else 'the screw'} is fixed at zero: "
-        f"{mechanism.text} is neither driven nor resisted"
+        f"{FREEDOMS[k] + ' of the first node' if problem.rigid_motion_basis is None else 'the screw'} is fixed at zero: "
+        f"{mechanism.description} is neither driven nor resisted"
         for k in mechanism.pins
         if not (k == 5 and mechanism.no_torsion)
     )
-    if problem.drawn.profile.shape[1] == 0:
+    if problem.drawn.profile_coefficients.shape[1] == 0:
         notes.append("groove profile errors: the scene has none, flanks are exact circular arcs")
-    if not everything and not np.any(problem.drawn.centre_slopes):
+    if not everything and not np.any(problem.drawn.groove_centre_derivatives):
         notes.append("pitch and roundness errors: the scene has none")
     return tuple(notes)

@@ -17,9 +17,9 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar
 import numpy as np
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.statics.contacts import actual_hertz
+from rollbench.lowfi.statics.contacts import hertz_at_contact_angles
 from rollbench.lowfi.statics.kernel.search import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
-from rollbench.lowfi.statics.kernel_types import Options, Outcome
+from rollbench.lowfi.statics.kernel_types import NewtonOptions, Outcome
 from rollbench.lowfi.statics.problem import SIGNS, Problem
 from rollbench.lowfi.statics.result import SolverReport, Status
 from rollbench.meshes.arrays import Array
@@ -41,29 +41,29 @@ ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 HERTZ_RUNS, ARM_RUNS, SETTLED = 12, 6, 1e-13
 
 
-class Scale(NamedTuple):
+class ResidualScale(NamedTuple):
     """Typical force and stiffness of the contacts, by which the static solver scales residuals and tolerances."""
 
     #: Force of a typical loaded contact [N]: from the loads or the interference, or else from an approach of 1 um.
-    force: float
+    typical_force: float
     #: Secant stiffness of a contact under that force [N/m].
     stiffness: float
     #: Lower bound of the force [N] to which residuals are relative: the largest external load (moments divided by the lever
     #: arm), or the contact force of the tightest ball without load.
-    floor: float
+    least_force_scale: float
     #: Force [N] below which a contact counts as unloaded.
-    none: float
+    unloaded_force_limit: float
 
     @property
-    def typical(self) -> float:
+    def typical_force_for_ellipse(self) -> float:
         """Return the force of a typical loaded contact [N], at least 1e-6 N.
 
         Compliance terms that depend on the size of the contact ellipse are evaluated at this force.
         """
-        return max(self.force, 1e-6)
+        return max(self.typical_force, 1e-6)
 
 
-def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> Options:
+def solver_options(scale: ResidualScale, arm: float, furthest: float, tolerance: float = TOLERANCE) -> NewtonOptions:
     """Return the parameters of the kernels' Newton iteration: tolerance, limits, and typical stiffness and force.
 
     Parameters
@@ -78,14 +78,14 @@ def solver_options(scale: Scale, arm: float, furthest: float, tolerance: float =
     tolerance
         Relative residual at which the iteration ends.
     """
-    return Options(
+    return NewtonOptions(
         tolerance=tolerance,
-        most=MAX_ITERATIONS,
+        max_iterations=MAX_ITERATIONS,
         stiffness=scale.stiffness,
-        arm=arm,
-        bound=1e3,
-        floor=scale.floor,
-        furthest=furthest,
+        moment_arm=arm,
+        unrestrained_motion_limit=1e3,
+        least_force_scale=scale.least_force_scale,
+        max_flank_motion_per_step=furthest,
     )
 
 
@@ -108,11 +108,11 @@ class ContactState(NamedTuple):
     #: Contact problem of the bearing or nut.
     problem: Problem
     #: Force, normal, stiffness and other results of the kernels for each contact ``(N, 4, 5)``, see ``kernel.ball``.
-    contact: Array
+    contacts: Array
     #: Displacements of the ball centres in their section planes ``(N, 2)`` [m].
-    centre: Array
+    ball_centres: Array
     #: Motions of all flanks in the balls' section planes ``(N, 4, 2)`` [m].
-    shift: Array
+    flank_motions: Array
 
 
 @dataclass(kw_only=True)
@@ -125,15 +125,15 @@ class StaticEquations(ABC):
     #: Module of the numerical kernels.
     engine: ModuleType
     #: Arrays of the equations for the kernel.
-    given: Any
+    kernel_arrays: Any
     #: Unknowns, which the kernel changes.
     state: Any
     #: Parameters of the iteration.
-    options: Options
+    options: NewtonOptions
     #: Force by which the residual of the last solve was divided [N]: the largest force in the model, or a lower limit.
-    scale: float = 0.0
+    residual_force_scale: float = 0.0
 
-    def iterate(self, from_linear: bool = True) -> Outcome:
+    def solve_by_newton(self, from_linear: bool = True) -> Outcome:
         """Solve the equilibrium by Newton's method while Hertz constants and lever arms stay constant.
 
         Parameters
@@ -141,8 +141,8 @@ class StaticEquations(ABC):
         from_linear
             Whether to start from the solution with linear springs for contacts, else from the present state.
         """
-        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.given, self.state, self.options, from_linear)
-        self.scale = outcome.scale
+        outcome: Outcome = getattr(self.engine, self.SOLVER)(self.kernel_arrays, self.state, self.options, from_linear)
+        self.residual_force_scale = outcome.scale
         return outcome
 
     @property
@@ -151,11 +151,11 @@ class StaticEquations(ABC):
         """Return the contact problem of each bearing and nut, whose array of Hertz constants the kernels read."""
 
     @abstractmethod
-    def flanks(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
 
     @abstractmethod
-    def with_arms(self, arms: Sequence[Array]) -> Self:
+    def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
 
         Parameters
@@ -166,11 +166,11 @@ class StaticEquations(ABC):
         """
 
     @abstractmethod
-    def round_off(self) -> float:
+    def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors of double precision leave at the solution."""
 
     @abstractmethod
-    def description(self) -> ModelDescription:
+    def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
 
     def copy_state_from(self, of: StaticEquations) -> Self:
@@ -191,7 +191,7 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
-def no_state_found(outcome: Outcome) -> bool:
+def is_solve_unusable(outcome: Outcome) -> bool:
     """Return whether a solve failed so badly that its state gives no contact loads.
 
     Hertz constants and lever arms are not updated from such a state.
@@ -216,7 +216,7 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
     tuple[P, Outcome]
         The equations at the last state, and status, residual and effort of the solver.
     """
-    outcome = system.iterate()
+    outcome = system.solve_by_newton()
     if system.problems and system.problems[0].scene.ingredients.hertz == "actual":
         outcome = update_hertz_constants(system, outcome)
     if follow_profile_errors and any(map(has_profile_errors, system.problems)):
@@ -224,7 +224,7 @@ def solve_with_updated_contacts(system: P, follow_profile_errors: bool = True) -
     return system, outcome
 
 
-def least_residual(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
+def residual_by_round_off(motions: float, stiffness: float, scale: float, problems: Iterable[Problem]) -> float:
     """Return the relative residual that rounding errors of double precision leave at the solution.
 
     It is eight machine epsilons times the largest length from whose difference the approach is computed, times the contact
@@ -241,11 +241,11 @@ def least_residual(motions: float, stiffness: float, scale: float, problems: Ite
     problems
         Contact problems of the bearings and nuts.
     """
-    radius = max((p.scene.balls.radius for p in problems if p.drawn.profile.shape[1]), default=0.0)
+    radius = max((p.scene.balls.radius for p in problems if p.drawn.profile_coefficients.shape[1]), default=0.0)
     return ROUND_OFF * (motions + radius) * stiffness / scale if scale else 0.0
 
 
-def solve_status(
+def status_of_solve(
     outcome: Outcome, round_off_residual: float, prove_status: Callable[[], Status], moved_too_far: bool = False
 ) -> Status:
     """Return the status of a solve: "converged", or else the kind of failure with its reason.
@@ -308,9 +308,9 @@ def solver_report(
         seconds=perf_counter() - start_and_ready_times[0],
         unknowns=description.unknowns,
         elements=elements,
-        engine="compiled" if jit.is_compiled(system.engine.__name__) else "interpreted",
+        engine="compiled" if jit.is_compiled_module(system.engine.__name__) else "interpreted",
         formulation=description.formulation,
-        round_off_bound=system.round_off(),
+        round_off_bound=system.round_off_residual(),
         setup_seconds=start_and_ready_times[1] - start_and_ready_times[0],
         notes=notes,
     )
@@ -329,16 +329,16 @@ def update_hertz_constants(system: StaticEquations, outcome: Outcome) -> Outcome
         Outcome of that solve.
     """
     for _ in range(HERTZ_RUNS):
-        if no_state_found(outcome):
+        if is_solve_unusable(outcome):
             break
         change = 0.0
-        for problem, contact, _, _ in system.flanks():
+        for problem, contact, _, _ in system.contact_states():
             nominal = problem.scene.track.contact_angle
             gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), nominal)
-            updated = actual_hertz(problem.scene, problem.drawn, gamma).C
+            updated = hertz_at_contact_angles(problem.scene, problem.drawn, gamma).C
             change = max(change, float(np.abs(updated / problem.C - 1.0).max()))
             problem.C[:] = updated
-        outcome = add_iteration_counts(outcome, system.iterate(False))
+        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
         if change < SETTLED:
             break
     return outcome
@@ -360,12 +360,12 @@ def update_lever_arms(system: P, outcome: Outcome) -> tuple[P, Outcome]:
     """
     before = [np.zeros((*p.C.shape, 2)) for p in system.problems]
     for _ in range(ARM_RUNS):
-        if no_state_found(outcome):
+        if is_solve_unusable(outcome):
             break
-        arms = [centre_shift(s) for s in system.flanks()]
+        arms = [curvature_centre_shifts(s) for s in system.contact_states()]
         change = max(float(np.abs(x - y).max()) for x, y in zip(arms, before, strict=True))
-        before, system = arms, system.with_arms(arms)
-        outcome = add_iteration_counts(outcome, system.iterate(False))
+        before, system = arms, system.with_lever_arms(arms)
+        outcome = add_iteration_counts(outcome, system.solve_by_newton(False))
         if change < SETTLED:
             break
     return system, outcome
@@ -377,26 +377,27 @@ def has_profile_errors(problem: Problem) -> bool:
     They do if flanks are not circular arcs, unless the scene's ``arm`` is "nominal": lever arms then end at the nominal
     contact points.
     """
-    return problem.drawn.profile.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
+    return problem.drawn.profile_coefficients.shape[1] > 0 and problem.scene.ingredients.arm != "nominal"
 
 
-def centre_shift(s: ContactState) -> Array:
+def curvature_centre_shifts(contact_state: ContactState) -> Array:
     """Return the shift of the flank's centre of curvature by profile errors, at each loaded contact.
 
     It is the vector from the centre of the nominal groove arc to the centre of curvature of the flank with its profile
-    errors, in the ball's section plane. ``s``: contacts, ball centres and flank motions of one bearing or nut with N balls.
+    errors, in the ball's section plane. ``contact_state``: contacts, ball centres and flank motions of one bearing or nut
+    with N balls.
 
     Returns
     -------
     Array
         ``(N, 4, 2)`` [m]; zero for circular arcs and unloaded contacts.
     """
-    force, normal = s.contact[..., 0], s.contact[..., 1:3]
-    if not has_profile_errors(s.problem):
+    force, normal = contact_state.contacts[..., 0], contact_state.contacts[..., 1:3]
+    if not has_profile_errors(contact_state.problem):
         return np.zeros(normal.shape)
-    w = -s.problem.drawn.centre + s.centre[:, None, :] - s.shift
+    w = -contact_state.problem.drawn.groove_centres + contact_state.ball_centres[:, None, :] - contact_state.flank_motions
     with np.errstate(divide="ignore", invalid="ignore"):
-        radius = np.where(force > 0.0, force / s.contact[..., 4], 0.0)
+        radius = np.where(force > 0.0, force / contact_state.contacts[..., 4], 0.0)
     return np.where(force[..., None] > 0.0, w - normal * radius[..., None], 0.0)
 
 

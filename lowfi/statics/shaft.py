@@ -35,11 +35,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import screw_response_to_end_wrench, screw_response_to_section_wrench
-from rollbench.lowfi.compliance.parts import Backend
+from rollbench.lowfi.compliance.parts import ComplianceModel
 from rollbench.lowfi.statics.kernel.beam import add_element, element_constants, write_element_force
-from rollbench.lowfi.statics.kernel.matrices import factor_band, inverse_blocks, substitute_blocks
+from rollbench.lowfi.statics.kernel.matrices import factor_band, inverted_and_lower_blocks, substitute_blocks
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.shape import independent_columns, right_singular_vectors, rigid_transport
+from rollbench.lowfi.statics.shape import independent_columns, right_singular_vectors, rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.helix import BallLayout
 from rollbench.meshes.parts import Scene
@@ -50,7 +50,7 @@ CHUNK = 512
 
 
 @dataclass
-class Shaft:
+class ShaftBeam:
     """Beam model of a screw with n nodes on its supports.
 
     If the supports leave k rigid motions of the screw free, one node is held against them ("pinned") in the stiffness
@@ -61,46 +61,50 @@ class Shaft:
     problem: Problem
     #: Free rigid motions ``(6, k)``, as motions of the node ``pin`` per metre of amplitude; a rotation's amplitude is the
     #: angle times the pitch radius.
-    motions: Array
+    free_rigid_motions: Array
     #: Work of the external loads on the free rigid motions per metre of amplitude ``(k,)`` [N].
-    work: Array
+    work_on_free_motions: Array
     #: Number of the pinned node, the one nearest to the nut.
-    pin: int
+    pinned_node: int
     #: Degrees of freedom that are neither fixed nor pinned ``(6 n,)``.
-    free: NDArray[np.bool_]
-    #: Cholesky factor of the stiffness matrix, with inverted diagonal blocks (`kernel.matrices.inverse_blocks`).
-    factor: tuple[Array, Array] = field(repr=False)
+    free_dofs: NDArray[np.bool_]
+    #: Cholesky factor of the stiffness matrix, with inverted diagonal blocks (`kernel.matrices.inverted_and_lower_blocks`).
+    stiffness_factor: tuple[Array, Array] = field(repr=False)
     #: Lower band of the stiffness matrix ``(12, 6 n)``.
-    band: Array = field(repr=False)
+    stiffness_band: Array = field(repr=False)
 
-    def under(self, problem: Problem) -> Shaft:
+    def with_loads_of(self, problem: Problem) -> ShaftBeam:
         """Return a copy of this beam model under the external loads and prescribed displacements of another problem."""
-        return replace(self, problem=problem, work=_work_of_external_loads(problem, self.motions, self.pin))
+        return replace(
+            self,
+            problem=problem,
+            work_on_free_motions=_work_of_external_loads(problem, self.free_rigid_motions, self.pinned_node),
+        )
 
-    def solve(self, loads: Array) -> Array:
+    def motions_under_loads(self, loads: Array) -> Array:
         """Return the motions ``(6 n, c)`` [m, rad] of the n nodes under c cases of nodal ``loads`` ``(6 n, c)`` [N, N m].
 
         Fixed and pinned degrees of freedom do not move.
         """
-        out = np.where(self.free[:, None], loads, 0.0)
-        if self.free.any():
-            substitute_blocks(self.factor, out)
+        out = np.where(self.free_dofs[:, None], loads, 0.0)
+        if self.free_dofs.any():
+            substitute_blocks(self.stiffness_factor, out)
         return out
 
     @cached_property
-    def by_loads(self) -> tuple[Array, Array]:
+    def motions_by_loads(self) -> tuple[Array, Array]:
         """Return the nodal motions that external loads and prescribed displacements cause: a rigid part and the rest.
 
         Two arrays ``(6 n,)`` [m, rad] from `motions_by_external_loads`, computed once.
         """
         return motions_by_external_loads(self)
 
-    def times(self, q: Array) -> Array:
+    def nodal_forces(self, q: Array) -> Array:
         """Return the nodal forces K q ``(6 n,)`` [N, N m]; K: stiffness matrix, q ``(6 n,)``: nodal motions [m, rad]."""
-        out = self.band[0] * q
-        for k in range(1, self.band.shape[0]):
-            out[k:] += self.band[k, : q.size - k] * q[: q.size - k]
-            out[: q.size - k] += self.band[k, : q.size - k] * q[k:]
+        out = self.stiffness_band[0] * q
+        for k in range(1, self.stiffness_band.shape[0]):
+            out[k:] += self.stiffness_band[k, : q.size - k] * q[: q.size - k]
+            out[: q.size - k] += self.stiffness_band[k, : q.size - k] * q[k:]
         return np.asarray(out)
 
 
@@ -111,8 +115,8 @@ def unsupported_motions(problem: Problem) -> Array:
     [rad/m]. A rotation's amplitude is the angle times the pitch radius.
     """
     scale, z = metres_to_motions(problem), problem.nodes
-    origin = z[pin_node(problem)]
-    rows = rigid_transport(z - origin)[problem.fixed] * scale
+    origin = z[node_nearest_to_nut(problem)]
+    rows = rigid_motion_transfer_matrix(z - origin)[problem.fixed] * scale
     if rows.size == 0:
         return np.diag(scale)
     sv, vt = right_singular_vectors(rows)
@@ -129,35 +133,39 @@ def metres_to_motions(problem: Problem) -> Array:
     return np.repeat([1.0, 1.0 / problem.scene.track.pitch_radius], 3)
 
 
-def pin_node(problem: Problem) -> int:
+def node_nearest_to_nut(problem: Problem) -> int:
     """Return the number of the node nearest to the nut's centre."""
     return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
 
 
-def build_shaft(problem: Problem) -> Shaft:
+def build_shaft(problem: Problem) -> ShaftBeam:
     """Return the beam model of a problem's screw with its factored stiffness matrix.
 
     A rigid screw has no stiffness matrix, only the rigid motions that its supports leave free.
     """
-    if problem.basis is not None:
+    if problem.rigid_motion_basis is not None:
         motions = np.diag(metres_to_motions(problem))[:, ~problem.fixed[0]]
         none, no = np.zeros(6, dtype=bool), np.zeros((0, 6, 6))
-        return Shaft(problem, motions, _work_of_external_loads(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6)))
+        return ShaftBeam(
+            problem, motions, _work_of_external_loads(problem, motions, 0), 0, none, (no, no), np.zeros((1, 6))
+        )
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
-    sections = problem.sections or (problem.section,) * lengths.size
+    sections = problem.element_sections or (problem.section,) * lengths.size
     constants = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).reshape(-1, 4).T
     add: Callable[..., None] = add_element  # as plain Python it takes all elements at once
     add(band, np.arange(lengths.size), lengths, constants)
     motions = unsupported_motions(problem)
-    pin = pin_node(problem)
+    pin = node_nearest_to_nut(problem)
     held = problem.fixed.copy()
     if motions.shape[1]:
         held[pin, independent_columns(motions.T)] = True
     free = ~held.ravel()
     work = _work_of_external_loads(problem, motions, pin)
-    return Shaft(problem, motions, work, pin, free, inverse_blocks(_factor_beam_stiffness(band, free)), band.T.copy())
+    return ShaftBeam(
+        problem, motions, work, pin, free, inverted_and_lower_blocks(_factor_beam_stiffness(band, free)), band.T.copy()
+    )
 
 
 def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array:
@@ -165,9 +173,9 @@ def _work_of_external_loads(problem: Problem, motions: Array, pin: int) -> Array
 
     ``motions`` ``(6, k)``: the motions at the node with the number ``pin``. ``problem``: static problem with the loads.
     """
-    if problem.basis is not None:
+    if problem.rigid_motion_basis is not None:
         return np.asarray(problem.load[0] @ motions)
-    at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
+    at_pin = np.einsum("nij,ni->j", rigid_motion_transfer_matrix(problem.nodes - problem.nodes[pin]), problem.load)
     return np.asarray(motions.T @ at_pin)
 
 
@@ -204,11 +212,11 @@ def flank_motion_coefficients(problem: Problem, screw_flanks: list[int]) -> tupl
         them ``(c, 2, m)``: two components in the ball's section plane.
     """
     m = problem.B.shape[3]
-    dof = [6 * problem.node[:, s, None] + np.arange(m) for s in screw_flanks]
+    dof = [6 * problem.first_nodes[:, s, None] + np.arange(m) for s in screw_flanks]
     return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in screw_flanks])
 
 
-def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]:
+def flank_compliance_and_free_motions(shaft: ShaftBeam, screw_flanks: list[int]) -> tuple[Array, Array]:
     """Return how the screw's flanks move by deformation of the beam under contact forces, and by its free rigid motions.
 
     Parameters
@@ -227,21 +235,21 @@ def flank_response(shaft: Shaft, screw_flanks: list[int]) -> tuple[Array, Array]
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
     count = rows.shape[0]
-    if problem.basis is not None:
-        return np.zeros((2 * count, 2 * count)), rows.reshape(2 * count, -1) @ shaft.motions
+    if problem.rigid_motion_basis is not None:
+        return np.zeros((2 * count, 2 * count)), rows.reshape(2 * count, -1) @ shaft.free_rigid_motions
     size = 6 * problem.nodes.size
     G = np.zeros((2 * count, 2 * count))
     for start in range(0, 2 * count, CHUNK):
         pick = np.arange(start, min(start + CHUNK, 2 * count))
         loads = np.zeros((size, pick.size))
         loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
-        q = shaft.solve(loads)
+        q = shaft.motions_under_loads(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
     R = np.einsum("cak,ckp->cap", rows, nodal_motions_of_rigid_screw(shaft)[dof]).reshape(2 * count, -1)
     return 0.5 * (G + G.T), R
 
 
-def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
+def flank_motions_by_loads(shaft: ShaftBeam, screw_flanks: list[int]) -> Array:
     """Return the motions ``(2 c,)`` [m] of c screw flanks that external loads and prescribed displacements cause.
 
     ``screw_flanks``: numbers of the screw flanks in use (0: SL, 1: SR). Each counts once per ball, which gives c flanks:
@@ -249,12 +257,12 @@ def flank_motions_by_loads(shaft: Shaft, screw_flanks: list[int]) -> Array:
     """
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, screw_flanks)
-    if problem.basis is not None:
+    if problem.rigid_motion_basis is not None:
         return np.asarray(rows.reshape(2 * len(rows), -1) @ np.where(problem.fixed[0], problem.prescribed[0], 0.0))
-    return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.by_loads)[dof]).ravel())
+    return np.asarray(np.einsum("cak,ck->ca", rows, np.add(*shaft.motions_by_loads)[dof]).ravel())
 
 
-def motions_by_external_loads(shaft: Shaft) -> tuple[Array, Array]:
+def motions_by_external_loads(shaft: ShaftBeam) -> tuple[Array, Array]:
     """Return the nodal motions ``(6 n,)`` [m, rad] that external loads and prescribed displacements cause, in two parts.
 
     The first part is the rigid motion of the shaft that the prescribed displacements are; it is zero if they are none. The
@@ -265,22 +273,24 @@ def motions_by_external_loads(shaft: Shaft) -> tuple[Array, Array]:
     prescribed = np.where(held, shaft.problem.prescribed, 0.0)
     moved, loads = np.zeros_like(prescribed), problem.load.ravel()
     if prescribed.any():
-        rigid = rigid_transport(problem.nodes - problem.nodes[shaft.pin])
+        rigid = rigid_motion_transfer_matrix(problem.nodes - problem.nodes[shaft.pinned_node])
         nearest = rigid @ np.linalg.lstsq(rigid[held], prescribed[held])[0]
         remainder = np.where(held, prescribed - nearest, 0.0)
         if np.abs(remainder).max() <= 1e-12 * np.abs(prescribed).max():
             moved, prescribed = nearest, remainder
-        loads = loads - shaft.times(prescribed.ravel())
-    return moved.ravel(), prescribed.ravel() + shaft.solve(loads[:, None])[:, 0]
+        loads = loads - shaft.nodal_forces(prescribed.ravel())
+    return moved.ravel(), prescribed.ravel() + shaft.motions_under_loads(loads[:, None])[:, 0]
 
 
-def nodal_motions_of_rigid_screw(shaft: Shaft) -> Array:
+def nodal_motions_of_rigid_screw(shaft: ShaftBeam) -> Array:
     """Return the motions ``(6 n, k)`` [m, rad] of all n nodes per metre of each of the k free rigid motions."""
     z = shaft.problem.nodes
-    return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
+    return np.asarray(
+        (rigid_motion_transfer_matrix(z - z[shaft.pinned_node]) @ shaft.free_rigid_motions).reshape(6 * z.size, -1)
+    )
 
 
-def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
+def node_motions(shaft: ShaftBeam, loads: Array, amplitudes: Array) -> Array:
     """Return the nodal motions ``(n, 6)`` [m, rad] by external loads, further nodal loads, and free rigid motions.
 
     Parameters
@@ -293,20 +303,20 @@ def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
         Amplitudes of the free rigid motions ``(k,)`` [m].
     """
     problem = shaft.problem
-    if problem.basis is not None:
-        return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.motions @ amplitudes)
-    moved, bent = shaft.by_loads
-    q = bent + shaft.solve(loads[:, None])[:, 0]
+    if problem.rigid_motion_basis is not None:
+        return np.asarray(np.where(problem.fixed, problem.prescribed, 0.0) + shaft.free_rigid_motions @ amplitudes)
+    moved, bent = shaft.motions_by_loads
+    q = bent + shaft.motions_under_loads(loads[:, None])[:, 0]
     return np.asarray((moved + q + nodal_motions_of_rigid_screw(shaft) @ amplitudes).reshape(-1, 6))
 
 
-def node_forces(shaft: Shaft, loads: Array) -> Array:
+def node_forces(shaft: ShaftBeam, loads: Array) -> Array:
     """Return the forces and moments ``(n, 6)`` [N, N m] on the beam's nodes: external and further loads, and reactions.
 
     They are the stiffness matrix times the nodal motions of `node_motions`. ``loads`` ``(6 n,)`` [N, N m]: nodal loads in
     addition to the external loads.
     """
-    return shaft.times(shaft.by_loads[1] + shaft.solve(loads[:, None])[:, 0]).reshape(-1, 6)
+    return shaft.nodal_forces(shaft.motions_by_loads[1] + shaft.motions_under_loads(loads[:, None])[:, 0]).reshape(-1, 6)
 
 
 def nodal_loads_of_flank_forces(problem: Problem, forces: Array, screw_flanks: list[int]) -> Array:
@@ -325,25 +335,25 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Stretch:
+class ShaftStretch:
     """Part of the shaft under one nut or bearing, whose cross-sections deform, unlike the rigid sections of a beam.
 
     It is thought to be cut out of the shaft at its upper end, see the module.
     """
 
     #: Indices ``(m,)`` of the m motions of its flanks (two per flank and ball) among those of all flanks of the shaft.
-    flanks: Ints
+    flank_motion_indices: Ints
     #: Axial position of the contact to which each of these motions belongs ``(m,)`` [m].
-    stations: Array
+    contact_positions: Array
     #: D^T of equation (1) of the module: motions of the flanks per unit wrench at the upper cut ``(m, 6)``.
-    feel: Array
+    flank_motions_per_wrench: Array
     #: H of equation (1): jump of the motion at the upper cut per unit wrench there ``(6, 6)``.
-    at_cut: Array
+    jump_per_wrench: Array
     #: Number of the node at the upper cut, above all contacts.
-    cut: int
+    cut_node: int
     #: For each loaded node below the cut, by its number: motions of the flanks per unit load on the node ``(m, 6)``,
     #: without those that the section force and moment ("wrench") at the contacts cause.
-    sections: dict[int, Array]
+    flank_motions_by_node_load: dict[int, Array]
 
 
 @dataclass(frozen=True)
@@ -357,12 +367,12 @@ class JumpsInsideStretches:
     #: Arrays of the static problem.
     problem: Problem
     #: Parts of the shaft under nuts and bearings.
-    stretches: Sequence[Stretch]
+    stretches: Sequence[ShaftStretch]
     #: Number c of screw flanks in use, counted once per ball.
-    flanks: int
+    flank_count: int
 
-    def _motions_per_jump(self, x: Stretch) -> tuple[Array, Ints]:
-        """Return the motions of nodes per unit jump at the cut of the stretch ``x``, and the first node above each contact.
+    def _motions_per_jump(self, stretch: ShaftStretch) -> tuple[Array, Ints]:
+        """Return the motions of nodes per unit jump at the cut of a stretch, and the first node above each contact.
 
         A jump is the motion that the deformation of the stretch under a contact force adds to the shaft above the contact.
         The first array ``(m, 6, 6)`` has the axes node, motion of the node and component of the jump; it covers the m nodes
@@ -370,8 +380,10 @@ class JumpsInsideStretches:
         of the stretch the number of the first node above its contact.
         """
         nodes = self.problem.nodes
-        z = nodes[: x.cut + 1] if is_loaded_above_node(self.problem, x.cut) else nodes
-        return rigid_transport(z - nodes[x.cut]), np.searchsorted(z, x.stations - MERGE)
+        z = nodes[: stretch.cut_node + 1] if is_loaded_above_node(self.problem, stretch.cut_node) else nodes
+        return rigid_motion_transfer_matrix(z - nodes[stretch.cut_node]), np.searchsorted(
+            z, stretch.contact_positions - MERGE
+        )
 
     def nodal_motions_by_flank_forces(self, pushes: Array) -> Array:
         """Return the motions ``(6 n,)`` [m, rad] of the n nodes by the jumps that the contact forces on c flanks cause.
@@ -383,25 +395,27 @@ class JumpsInsideStretches:
         for x in self.stretches:
             moves, first = self._motions_per_jump(x)
             jumps = np.zeros((len(moves) + 1, 6))
-            np.add.at(jumps, first, x.feel * pushes[x.flanks, None])
+            np.add.at(jumps, first, x.flank_motions_per_wrench * pushes[x.flank_motion_indices, None])
             out[: len(moves)] += np.einsum("nij,nj->ni", moves, jumps.cumsum(axis=0)[:-1])
-            for node, beyond in x.sections.items():
-                out[node] += pushes[x.flanks] @ beyond
+            for node, beyond in x.flank_motions_by_node_load.items():
+                out[node] += pushes[x.flank_motion_indices] @ beyond
         return out.ravel()
 
-    def by_loads(self, loads: Array) -> Array:
+    def flank_motions_by_nodal_loads(self, loads: Array) -> Array:
         """Return the motions ``(2 c, k)`` [m] of c flanks that k cases of nodal ``loads`` ``(6 n, k)`` [N, N m] cause.
 
         By Maxwell's reciprocity the matrix is the transpose of that of `nodal_motions_by_flank_forces`.
         """
-        out, nodal = np.zeros((2 * self.flanks, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
+        out, nodal = np.zeros((2 * self.flank_count, loads.shape[1])), loads.reshape(-1, 6, loads.shape[1])
         for x in self.stretches:
             moves, first = self._motions_per_jump(x)
             wrenches = np.zeros((len(moves) + 1, *nodal.shape[1:]))
             wrenches[:-1] = np.einsum("nij,nik->njk", moves, nodal[: len(moves)])
-            out[x.flanks] += np.einsum("cj,cjk->ck", x.feel, wrenches[::-1].cumsum(axis=0)[::-1][first])
-            for node, beyond in x.sections.items():
-                out[x.flanks] += beyond @ nodal[node]
+            out[x.flank_motion_indices] += np.einsum(
+                "cj,cjk->ck", x.flank_motions_per_wrench, wrenches[::-1].cumsum(axis=0)[::-1][first]
+            )
+            for node, beyond in x.flank_motions_by_node_load.items():
+                out[x.flank_motion_indices] += beyond @ nodal[node]
         return out
 
 
@@ -415,26 +429,26 @@ class SectionForceCoupling:
     """
 
     #: Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the coupling, in addition to that of beam and bodies.
-    added: Array
+    added_compliance: Array
     #: Additional motion of the flanks by external loads and prescribed displacements ``(2 c,)`` [m].
-    moved: Array
+    flank_motions_by_loads: Array
     #: S of equation (2): wrenches at the cuts per unit motion of the nodes ``(W, 6 n)``.
-    wrenches: Array
+    wrenches_per_nodal_motion: Array
     #: Motions of the flanks per unit wrench S q of the beam without coupling ``(2 c, W)``.
-    feel: Array
+    flank_motions_per_wrench: Array
     #: Motions of the nodes per unit wrench S q of the beam without coupling ``(6 n, W)``.
-    nodes: Array
+    nodal_motions_per_wrench: Array
     #: Jumps d at the cuts per unit force on the flanks ``(W, 2 c)``.
-    jumps: Array
+    jumps_per_flank_force: Array
     #: Jumps d at the cuts by external loads ``(W,)`` [m, rad].
-    given: Array
+    jumps_by_external_loads: Array
     #: Motions of the nodes between contacts and cuts by the forces on the flanks, which equivalent nodal loads on the beam
     #: do not produce.
-    inside: JumpsInsideStretches
+    jumps_inside_stretches: JumpsInsideStretches
     #: Jumps at the cuts per unit wrench ``(W, W)``.
-    bent: Array
+    jumps_per_wrench: Array
 
-    def under(self, shaft: Shaft, thermal: Array | float = 0.0) -> SectionForceCoupling:
+    def under_loads_of(self, shaft: ShaftBeam, thermal: Array | float = 0.0) -> SectionForceCoupling:
         """Return a copy of the coupling under the external loads and prescribed displacements of a shaft.
 
         Parameters
@@ -445,9 +459,12 @@ class SectionForceCoupling:
             Part of the wrenches at the cuts ``(W,)`` [N, N m] that represents free thermal expansion and causes no stress;
             it is subtracted.
         """
-        wrench = self.wrenches @ shaft.by_loads[1] - thermal
-        moved = self.feel @ wrench + self.inside.by_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
-        return replace(self, moved=moved, given=self.bent @ wrench)
+        wrench = self.wrenches_per_nodal_motion @ shaft.motions_by_loads[1] - thermal
+        moved = (
+            self.flank_motions_per_wrench @ wrench
+            + self.jumps_inside_stretches.flank_motions_by_nodal_loads(shaft.problem.load.reshape(-1, 1))[:, 0]
+        )
+        return replace(self, flank_motions_by_loads=moved, jumps_by_external_loads=self.jumps_per_wrench @ wrench)
 
     def nodal_loads_of_jumps(self, pushes: Array) -> Array:
         """Return the nodal loads ``(6 n,)`` [N, N m] on the beam that are equivalent to the jumps at the cuts.
@@ -456,7 +473,9 @@ class SectionForceCoupling:
         between them under external loads and under forces on the flanks. ``pushes`` ``(2 c,)`` [N]: these forces, two
         components for each of the c flanks of the shaft.
         """
-        return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
+        return np.asarray(
+            self.wrenches_per_nodal_motion.T @ (self.jumps_per_flank_force @ pushes + self.jumps_by_external_loads)
+        )
 
     def add_jumps_inside_stretches(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
         """Return nodal motions ``(n, 6)`` [m, rad] to which those between the contacts and the upper cuts are added.
@@ -472,9 +491,13 @@ class SectionForceCoupling:
         fixed
             Which degrees of freedom are fixed ``(n, 6)``; nothing is added to them.
         """
-        return np.where(fixed, motion, motion + (self.inside.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6))
+        return np.where(
+            fixed,
+            motion,
+            motion + (self.jumps_inside_stretches.nodal_motions_by_flank_forces(pushes.ravel())).reshape(-1, 6),
+        )
 
-    def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
+    def motions_by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
         """Return the motions of flanks ``(2 c, k)`` [m] and nodes ``(6 n, k)`` [m, rad] by the coupling under k load cases.
 
         Parameters
@@ -484,13 +507,15 @@ class SectionForceCoupling:
         motions
             Motions of the beam's nodes ``(6 n, k)`` [m, rad] under these loads without the coupling.
         """
-        wrench = self.wrenches @ motions
-        return np.asarray(self.feel @ wrench + self.inside.by_loads(loads)), np.asarray(self.nodes @ wrench)
+        wrench = self.wrenches_per_nodal_motion @ motions
+        return np.asarray(
+            self.flank_motions_per_wrench @ wrench + self.jumps_inside_stretches.flank_motions_by_nodal_loads(loads)
+        ), np.asarray(self.nodal_motions_per_wrench @ wrench)
 
 
-def stretch_of(
-    problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, screw_flanks: Sequence[int], balls: slice
-) -> Stretch | None:
+def build_shaft_stretch(
+    problem: Problem, scene: Scene, layout: BallLayout, backend: ComplianceModel, screw_flanks: Sequence[int], balls: slice
+) -> ShaftStretch | None:
     """Return the part of the shaft under the balls of one nut or bearing; None if it is rigid or no flank is in use.
 
     Parameters
@@ -508,27 +533,27 @@ def stretch_of(
     balls
         Indices of its balls among all balls of the problem.
     """
-    response = None if problem.basis is not None else screw_response_to_end_wrench(scene, layout, backend)
+    response = None if problem.rigid_motion_basis is not None else screw_response_to_end_wrench(scene, layout, backend)
     if response is None or not screw_flanks:
         return None
-    cut = int(problem.node[balls][:, list(screw_flanks)].max()) + (problem.B.shape[3] == 12)
-    N, first = problem.node.shape[0], np.arange(layout.z.size) + range(problem.node.shape[0])[balls].start
+    cut = int(problem.first_nodes[balls][:, list(screw_flanks)].max()) + (problem.B.shape[3] == 12)
+    N, first = problem.first_nodes.shape[0], np.arange(layout.z.size) + range(problem.first_nodes.shape[0])[balls].start
     places = np.array([2 * (k * N + first)[:, None] + np.arange(2) for k in range(len(screw_flanks))], dtype=np.int64)
-    up = rigid_transport(float(problem.nodes[cut]) - response.high)
-    feel = response.contacts.reshape(2, -1, 6)[list(screw_flanks)].reshape(-1, 6) @ up.T
+    up = rigid_motion_transfer_matrix(float(problem.nodes[cut]) - response.high_end)
+    feel = response.contact_motions.reshape(2, -1, 6)[list(screw_flanks)].reshape(-1, 6) @ up.T
     stations = np.repeat(contact_force_positions(scene, layout)[:, list(screw_flanks)].T.ravel(), 2)
     sections = {}
     for node in np.flatnonzero(problem.load[:cut].any(axis=1)).tolist():
         at = float(problem.nodes[node])
-        if response.low < at:
+        if response.low_end < at:
             by_section = (
                 screw_response_to_section_wrench(scene, layout, backend, at)
                 .reshape(2, -1, 6)[list(screw_flanks)]
                 .reshape(-1, 6)
             )
-            felt = feel @ rigid_transport(at - float(problem.nodes[cut])).T
+            felt = feel @ rigid_motion_transfer_matrix(at - float(problem.nodes[cut])).T
             sections[node] = by_section - np.where(stations[:, None] - MERGE <= at, felt, 0.0)
-    return Stretch(places.ravel(), stations, feel, up @ response.end @ up.T, cut, sections)
+    return ShaftStretch(places.ravel(), stations, feel, up @ response.end_motions @ up.T, cut, sections)
 
 
 def is_loaded_above_node(problem: Problem, cut: int) -> bool:
@@ -542,7 +567,7 @@ def is_loaded_above_node(problem: Problem, cut: int) -> bool:
         Number of the node at which the shaft is cut; nodes with larger numbers are above it.
     """
     beyond = slice(cut + 1, None)
-    return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.node > cut).any())
+    return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.first_nodes > cut).any())
 
 
 def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
@@ -561,18 +586,18 @@ def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
         Wrench per unit jump at the cut, k ``(6, 6)``; wrench per unit motion of the element's two nodes, S ``(6, 12)``; and
         tensile stiffness EA [N] of the element.
     """
-    section = problem.section if problem.sections is None else problem.sections[cut]
+    section = problem.section if problem.element_sections is None else problem.element_sections[cut]
     length = float(problem.nodes[cut + 1] - problem.nodes[cut])
     constants = element_constants(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
     k = np.zeros((6, 6))
     for unit, row in zip(np.eye(6), k, strict=True):
         write_element_force(unit, constants, row)
-    T = rigid_transport(length)
+    T = rigid_motion_transfer_matrix(length)
     return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)]), section.EA
 
 
 def couple_section_forces(
-    shaft: Shaft, screw_flanks: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0
+    shaft: ShaftBeam, screw_flanks: Sequence[int], stretches: Sequence[ShaftStretch], strain: float = 0.0
 ) -> SectionForceCoupling | None:
     """Return the coupling between contact deformation and section forces of a shaft; None if it is not modelled.
 
@@ -592,18 +617,22 @@ def couple_section_forces(
     problem = shaft.problem
     dof, rows = flank_motion_coefficients(problem, list(screw_flanks))
     count, inside = 2 * len(rows), JumpsInsideStretches(problem, stretches, len(rows))
-    loaded = [x for x in stretches if is_loaded_above_node(problem, x.cut)]
+    loaded = [x for x in stretches if is_loaded_above_node(problem, x.cut_node)]
     W = 6 * len(loaded)
     S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)
     D, H = np.zeros((W, count)), np.zeros((W, W))
     for i, x in enumerate(loaded):
         block = slice(6 * i, 6 * i + 6)
-        stiff, S[block, 6 * x.cut : 6 * x.cut + 12], EA = cut_stiffness(problem, x.cut)
+        stiff, S[block, 6 * x.cut_node : 6 * x.cut_node + 12], EA = cut_stiffness(problem, x.cut_node)
         for j, other in enumerate(loaded):  # jumps at the same cut share the stiffness of one element
-            if other.cut == x.cut:
+            if other.cut_node == x.cut_node:
                 k[block, 6 * j : 6 * j + 6] = stiff
-        D[block, x.flanks], H[block, block], warm[6 * i + 2] = x.feel.T, x.at_cut, EA * strain
-    X = shaft.solve(S.T)
+        D[block, x.flank_motion_indices], H[block, block], warm[6 * i + 2] = (
+            x.flank_motions_per_wrench.T,
+            x.jump_per_wrench,
+            EA * strain,
+        )
+    X = shaft.motions_under_loads(S.T)
     A = np.einsum("cak,ckw->wca", rows, X[dof]).reshape(W, count)
     B = k - S @ X
     M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
@@ -613,4 +642,4 @@ def couple_section_forces(
     squeeze = SectionForceCoupling(
         0.5 * (added + added.T), none, S, feel, X @ H @ M, D + bent @ by_forces, none, inside, bent
     )
-    return squeeze.under(shaft, warm)
+    return squeeze.under_loads_of(shaft, warm)

@@ -9,7 +9,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import BeamSection
 
 
-def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
+def shear_to_bending_deformation(length: float | Array, section: BeamSection) -> float | Array:
     """Return the ratio Phi = 12 E I/(kappa G A L^2) of shear to bending deformation of a beam element of length L [m]."""
     return 12.0 * section.EI / (section.kGA * length**2)
 
@@ -36,11 +36,11 @@ def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArr
     j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
     length = nodes[j + 1] - nodes[j]
     xi = (z - nodes[j]) / length
-    m = shape_polynomials(np.clip(xi, 0.0, 1.0), length, section)
+    m = beam_shape_functions(np.clip(xi, 0.0, 1.0), length, section)
     for end, beyond in ((0, xi < 0.0), (1, xi > 1.0)):
         for i in np.flatnonzero(beyond):
             m[i] = 0.0
-            m[i, :, 6 * end : 6 * end + 6] = rigid_transport(float(z[i] - nodes[j[i] + end]))
+            m[i, :, 6 * end : 6 * end + 6] = rigid_motion_transfer_matrix(float(z[i] - nodes[j[i] + end]))
     return j, m
 
 
@@ -89,10 +89,10 @@ def initial_motions_with_supports(nodes: Array, fixed: NDArray[np.bool_], prescr
         held = np.flatnonzero(fixed[:, k])
         if held.size:
             q[:, k] = np.interp(nodes, nodes[held], prescribed[held, k])
-    return q, q[1:] - np.einsum("nij,nj->ni", rigid_transport(np.diff(nodes)), q[:-1])
+    return q, q[1:] - np.einsum("nij,nj->ni", rigid_motion_transfer_matrix(np.diff(nodes)), q[:-1])
 
 
-def rigid_transport(reach: float | Array) -> Array:
+def rigid_motion_transfer_matrix(reach: float | Array) -> Array:
     """Return the matrix from a rigid body's six motions at one point of the z axis to those at another point of the axis.
 
     The displacement u and the rotation theta at the first point give the displacement u + theta x reach e_z at the second.
@@ -114,7 +114,7 @@ def rigid_transport(reach: float | Array) -> Array:
     return t
 
 
-def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
+def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
     """Return the shape functions of n Timoshenko beam elements, or their derivatives by the relative position xi.
 
     They are exact for an element that is loaded at its nodes only.
@@ -139,7 +139,7 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     ----------
     Lin (2019), C.1 and C.2.
     """
-    phi = np.asarray(shear_ratio(length, section))
+    phi = np.asarray(shear_to_bending_deformation(length, section))
     k = 1.0 / (1.0 + phi)
     ones, zero = np.ones_like(xi), np.zeros_like(xi)
     powers = {0: (ones, xi, xi**2, xi**3), 1: (zero, ones, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * ones, 6.0 * xi)}[

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi import jit
 from rollbench.lowfi.hertz import contact_force, contact_stiffness_under_force
-from rollbench.lowfi.statics.held import Mechanism, free_motions
+from rollbench.lowfi.statics.held import UnresistedMotions, find_unresisted_motions
 from rollbench.lowfi.statics.kernel_types import (
     BeamArrays,
     BeamContacts,
@@ -27,34 +27,40 @@ from rollbench.lowfi.statics.kernel_types import (
     MotionState,
     Outcome,
 )
-from rollbench.lowfi.statics.problem import Problem, SolvedState, build_problem, centre_distances, largest_interference
+from rollbench.lowfi.statics.problem import (
+    Problem,
+    SolvedState,
+    build_problem,
+    centre_vectors_and_interference,
+    largest_interference,
+)
 from rollbench.lowfi.statics.result import StaticResult, Status
 from rollbench.lowfi.statics.selection import (
-    choose_sides,
+    all_flank_motions_by_screw,
+    choose_flanks,
     describe_left_out,
-    flank_motions,
-    flank_motions_of_beam,
     flanks_of_scene,
-    touched_sides,
+    screw_flank_motions,
+    touched_flanks,
 )
 from rollbench.lowfi.statics.settle import (
     NO_LOADS,
     TOLERANCE,
     ContactState,
     ModelDescription,
-    Scale,
+    ResidualScale,
     StaticEquations,
-    least_residual,
-    no_state_found,
-    solve_status,
+    is_solve_unusable,
+    residual_by_round_off,
     solve_with_updated_contacts,
     solver_options,
     solver_report,
+    status_of_solve,
 )
 from rollbench.lowfi.statics.shape import initial_motions_with_supports
 from rollbench.lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from rollbench.meshes.arrays import Array, Mask
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import BeamSection
@@ -89,7 +95,7 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
     return jit.load_kernel_package(jit.STATICS, compiled=fast)
 
 
-def residual_scale(problem: Problem) -> Scale:
+def residual_scale(problem: Problem) -> ResidualScale:
     """Return the typical force and stiffness of a problem's contacts, by which the solver scales residuals.
 
     A contact counts as unloaded if its force is below the round-off of the typical force. If only displacements are
@@ -109,100 +115,111 @@ def residual_scale(problem: Problem) -> Scale:
     if force == 0.0:  # only prescribed displacements, or errors by which three flanks clamp a ball
         force = float(contact_force(1e-6, pair))
     floor = max(float(largest.max()), float(most.max()) / arm, squeeze)
-    return Scale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
+    return ResidualScale(force, float(np.cbrt(force) / pair), floor, (1e-14 if floor > 0.0 else 1e-10) * force)
 
 
 @dataclass(kw_only=True)
-class OneSetEquations(StaticEquations):
+class SingleNutEquations(StaticEquations):
     """Equations of a single ball nut or ball bearing for the kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the contact problem.
     problem: Problem
     #: Input of the problem, from which it is built again if the lever arms of the contacts change.
-    build: StaticInput
+    problem_input: StaticInput
 
     @property
     def problems(self) -> Sequence[Problem]:
         """Return the contact problem as a sequence of length one."""
         return (self.problem,)
 
-    def with_arms(self, arms: Sequence[Array]) -> Self:
+    def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
 
         ``arms``: in its only element, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by profile errors at
         N balls; contact forces act through these centres.
         """
-        longer: Any = self.build.ready(self.build.problem(arms[0]))
+        longer: Any = self.problem_input.build_equations(self.problem_input.build_problem(arms[0]))
         longer.problem.C[:] = self.problem.C
         return longer.copy_state_from(self)  # type: ignore[no-any-return]
 
     @abstractmethod
-    def clears(self) -> bool:
+    def are_balls_clear_of_left_out_flanks(self) -> bool:
         """Return whether no ball of the solution touches a flank that was left out of the equations."""
 
     @abstractmethod
-    def solved(self) -> SolvedState:
+    def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions."""
 
 
 @dataclass(kw_only=True)
-class BeamEquations(OneSetEquations):
+class BeamEquations(SingleNutEquations):
     """Equations of Lin's model for the kernels: a screw, as a beam or rigid, on Hertzian contacts in a rigid nut."""
 
     SOLVER = "solve_beam"
     #: Arrays of beam and balls for the kernels.
-    given: BeamSystem
+    kernel_arrays: BeamSystem
     #: Node motions, element deformations and contacts: the unknowns of the iteration.
     state: MotionState
 
     @property
-    def force(self) -> Array:
+    def contact_forces(self) -> Array:
         """Contact forces ``(N, 4)`` [N]."""
         return np.asarray(self.state.contact[..., 0])
 
-    def flanks(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions, as the iteration has them now."""
         moved = np.zeros((len(self.state.p), 4, 2))
-        moved[:, :2] = flank_motions(self.problem, self.state.q)
+        moved[:, :2] = screw_flank_motions(self.problem, self.state.q)
         return (ContactState(self.problem, self.state.contact, self.state.p, moved),)
 
-    def clears(self) -> bool:
+    def are_balls_clear_of_left_out_flanks(self) -> bool:
         """Return whether no ball of the solution touches a flank that was left out of the equations.
 
         To this end the equilibrium of every ball is computed with all four flanks, at the screw's motion in the solution.
         """
-        touched = touched_sides(self.engine, self.problem, self.state.q, self.state.p, self.force)
-        return not np.any(touched & ~self.problem.use)
+        touched = touched_flanks(self.engine, self.problem, self.state.q, self.state.p, self.contact_forces)
+        return not np.any(touched & ~self.problem.used_flanks)
 
-    def round_off(self) -> float:
+    def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave at the solution.
 
         It follows from the largest motion of a node, and the largest sum of contact stiffnesses at one node.
         """
         problem, motion = self.problem, float(np.abs(self.state.q[:, :3]).max(initial=0.0))
-        stiff = contact_stiffness_under_force(self.force[:, :2], problem.C[:, :2])
-        most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
-        return least_residual(motion, most, self.scale, [problem])
+        stiff = contact_stiffness_under_force(self.contact_forces[:, :2], problem.C[:, :2])
+        most = float(np.bincount(problem.first_nodes.ravel(), weights=stiff.ravel()).max(initial=0.0))
+        return residual_by_round_off(motion, most, self.residual_force_scale, [problem])
 
-    def solved(self) -> SolvedState:
+    def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions.
 
         The reactions are the gradient of the energy at the fixed degrees of freedom.
         """
-        problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.force.copy()
+        problem, gradient, force = self.problem, np.zeros(self.state.q.shape), self.contact_forces.copy()
         motion, centre, normal = self.state.q.copy(), self.state.p.copy(), self.state.contact[..., 1:3].copy()
-        if problem.basis is None:
-            self.engine.evaluate(self.given, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4))))
+        if problem.rigid_motion_basis is None:
+            self.engine.evaluate(
+                self.kernel_arrays, self.state, EnergyDerivatives(gradient, np.zeros((len(problem.C), 4, 4)))
+            )
         held = np.where(problem.fixed, gradient, 0.0)
-        return SolvedState(problem, motion, centre, force, normal, held, flank_motions_of_beam(problem, motion), self.scale)
+        return SolvedState(
+            problem,
+            motion,
+            centre,
+            force,
+            normal,
+            held,
+            all_flank_motions_by_screw(problem, motion),
+            self.residual_force_scale,
+        )
 
-    def description(self) -> ModelDescription:
+    def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
         return ModelDescription("convex energy", self.problem.unknowns, model_assumptions(self.problem.scene))
 
 
 def beam_equations(
-    problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, build: StaticInput | None = None
+    problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE, problem_input: StaticInput | None = None
 ) -> BeamEquations:
     """Return the equations of a screw in a rigid nut, with an initial state that has the supports' displacements.
 
@@ -214,7 +231,7 @@ def beam_equations(
         Module of the numerical kernels, interpreted or compiled.
     tolerance
         Relative residual at which the iteration ends.
-    build
+    problem_input
         Input from which the problem was built; None: assembled from the scene, errors, balls and flanks of ``problem``.
     """
     lengths, s = np.diff(problem.nodes), problem.section
@@ -226,15 +243,25 @@ def beam_equations(
         np.zeros((count, 4, 5)),
         np.zeros((0, 2)),
     )
-    geometry, closure = problem.geometry, problem.closure
-    contacts = BeamContacts(problem.node, problem.B, geometry, closure, drawn.ball_radius, drawn.profile, scale.none)
+    geometry, closure = problem.geometry, problem.interference
+    contacts = BeamContacts(
+        problem.first_nodes,
+        problem.B,
+        geometry,
+        closure,
+        drawn.ball_radii,
+        drawn.profile_coefficients,
+        scale.unloaded_force_limit,
+    )
     constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * problem.nodes.size, problem.half_bandwidth + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     given = BeamSystem(BeamArrays(lengths, problem.fixed, problem.load, constants, band), contacts)
-    arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radius.max())
+    arm, furthest = problem.scene.track.pitch_radius, float(drawn.ball_radii.max())
     options = solver_options(scale, arm, furthest, tolerance)
-    build = build or StaticInput(problem.scene, drawn, problem.layout, problem.use, engine)
-    return BeamEquations(engine=engine, given=given, state=state, options=options, problem=problem, build=build)
+    problem_input = problem_input or StaticInput(problem.scene, drawn, problem.layout, problem.used_flanks, engine)
+    return BeamEquations(
+        engine=engine, kernel_arrays=given, state=state, options=options, problem=problem, problem_input=problem_input
+    )
 
 
 @dataclass(frozen=True)
@@ -244,30 +271,30 @@ class StaticInput:
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
     #: Dimensions of the parts with their manufacturing errors.
-    drawn: Specimen
+    drawn: GeometryWithErrors
     #: Positions of the balls.
     layout: BallLayout
     #: Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
-    use: Mask
+    used_flanks: Mask
     #: Module of the numerical kernels.
     engine: ModuleType
     #: Whether to model also flanks that cannot touch a ball, and ends of the shaft that carry no load.
-    everything: bool = False
+    models_unloaded_parts: bool = False
     #: Number of elements that each beam element is split into.
-    refine: int = 1
-    #: Result of `centre_distances` for these parts; None: not computed yet.
-    known: tuple[Array, Array] | None = None
+    elements_per_beam_element: int = 1
+    #: Result of `centre_vectors_and_interference` for these parts; None: not computed yet.
+    known_centre_distances: tuple[Array, Array] | None = None
     #: Three entries: which degrees of freedom of the n nodes are fixed ``(n, 6)``; their prescribed values ``(n, 6)``
     #: [m, rad]; numbers of those that are fixed at the first node although no support fixes them ("pins"). None: the
     #: supports of the scene, without pins.
-    held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
+    fixed_dofs: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None = None
 
     @property
-    def section(self) -> BeamSection | None:
+    def replacement_section(self) -> BeamSection | None:
         """Return the screw's cross-section that replaces the one of the scene's dimensions; None: it is not replaced."""
         return None
 
-    def problem(self, arms: Array | None = None) -> Problem:
+    def build_problem(self, arms: Array | None = None) -> Problem:
         """Return the arrays of the static problem.
 
         Parameters
@@ -275,41 +302,41 @@ class StaticInput:
         arms
             Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
         """
-        parts = self.scene, self.drawn, self.layout, self.use
+        parts = self.scene, self.drawn, self.layout, self.used_flanks
         how: dict[str, Any] = {
-            "everything": self.everything,
-            "refine": self.refine,
-            "distances_and_interference": self.known,
+            "everything": self.models_unloaded_parts,
+            "refine": self.elements_per_beam_element,
+            "distances_and_interference": self.known_centre_distances,
         }
-        found = build_problem(*parts, arms=arms, section=self.section, **how)
-        held = self.held
+        found = build_problem(*parts, arms=arms, section=self.replacement_section, **how)
+        held = self.fixed_dofs
         return found if held is None else replace(found, fixed=held[0], prescribed=held[1], pins=held[2])
 
     def with_supports_of(self, pinned: Problem) -> Self:
         """Return a copy of this input with the fixed degrees of freedom of the problem ``pinned``, its pins included."""
-        return replace(self, held=(pinned.fixed, pinned.prescribed, pinned.pins))
+        return replace(self, fixed_dofs=(pinned.fixed, pinned.prescribed, pinned.pins))
 
-    def ready(self, problem: Problem) -> OneSetEquations:
+    def build_equations(self, problem: Problem) -> SingleNutEquations:
         """Return the equations of the problem for the numerical kernels, with an initial state."""
-        return beam_equations(problem, self.engine, build=self)
+        return beam_equations(problem, self.engine, problem_input=self)
 
-    def touched(self) -> str:
+    def note_on_touched_flanks(self) -> str:
         """Return the note for the result that balls touched left-out flanks, so that all four flanks were solved."""
-        names = ", ".join(name for name, used in zip(SIDES, self.use, strict=True) if not used)
+        names = ", ".join(name for name, used in zip(SIDES, self.used_flanks, strict=True) if not used)
         return f"flanks {names} touch balls in the solution without these flanks: solved again with all four flanks"
 
 
-class Solution(NamedTuple):
+class SolvedEquations(NamedTuple):
     """Equations of a ball screw at the state where the solver ended, converged or not, with notes on what was left out."""
 
     #: Equations with their last state.
-    system: OneSetEquations
+    system: SingleNutEquations
     #: Status, residual and effort of the solver.
     outcome: Outcome
     #: Input from which the equations were built.
     build: StaticInput
     #: Motions of the screw that nothing resists.
-    mechanism: Mechanism
+    mechanism: UnresistedMotions
     #: Notes on the flanks that were left out.
     notes: tuple[str, ...]
     #: Time at which the iteration could begin (`time.perf_counter`) [s].
@@ -318,7 +345,9 @@ class Solution(NamedTuple):
     @property
     def status(self) -> Status:
         """Return the status of the solve: "converged", or else the kind of failure with its reason."""
-        return solve_status(self.outcome, self.system.round_off(), partial(runaway_status, self.system.problem))
+        return status_of_solve(
+            self.outcome, self.system.round_off_residual(), partial(status_of_runaway_screw, self.system.problem)
+        )
 
 
 class UnrestrainedProblem(NamedTuple):
@@ -327,20 +356,20 @@ class UnrestrainedProblem(NamedTuple):
     #: Arrays of the problem.
     problem: Problem
     #: The motion that the load drives.
-    mechanism: Mechanism
+    unresisted_motions: UnresistedMotions
 
     @property
     def status(self) -> Status:
         """Return the status "not held" with a sentence that describes the motion."""
-        return Status("not held", self.mechanism.text)
+        return Status("not held", self.unresisted_motions.description)
 
 
-def solve_with_chosen_flanks(build: StaticInput) -> Solution | UnrestrainedProblem:
+def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | UnrestrainedProblem:
     """Solve a ball screw with the chosen flanks, and again with all four if a ball touches a flank that was left out.
 
     Parameters
     ----------
-    build
+    problem_input
         Input of the problem; its ``use`` gives the chosen flanks.
 
     Returns
@@ -351,18 +380,20 @@ def solve_with_chosen_flanks(build: StaticInput) -> Solution | UnrestrainedProbl
     """
     notes: tuple[str, ...] = ()
     while True:
-        problem = build.problem()
-        mechanism = free_motions(problem)
-        if mechanism.driven:
+        problem = problem_input.build_problem()
+        mechanism = find_unresisted_motions(problem)
+        if mechanism.is_driven_by_loads:
             return UnrestrainedProblem(problem, mechanism)
         problem = pin_free_motions(problem, mechanism)
-        system = build.with_supports_of(problem).ready(problem)
+        system = problem_input.with_supports_of(problem).build_equations(problem)
         prepared_at = perf_counter()
         system, outcome = solve_with_updated_contacts(system)
-        if np.array_equal(build.use, flanks_of_scene(build.scene)) or (outcome.status == 0 and system.clears()):
-            return Solution(system, outcome, build, mechanism, notes, prepared_at)
-        notes = (build.touched(),)
-        build = replace(build, use=flanks_of_scene(build.scene))
+        if np.array_equal(problem_input.used_flanks, flanks_of_scene(problem_input.scene)) or (
+            outcome.status == 0 and system.are_balls_clear_of_left_out_flanks()
+        ):
+            return SolvedEquations(system, outcome, problem_input, mechanism, notes, prepared_at)
+        notes = (problem_input.note_on_touched_flanks(),)
+        problem_input = replace(problem_input, used_flanks=flanks_of_scene(problem_input.scene))
 
 
 def solve_static(
@@ -417,53 +448,58 @@ def solve_static(
     """
     start = perf_counter()
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout, member)
-    kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
-    known = centre_distances(scene, drawn)
-    use = flanks_of_scene(scene) if everything else choose_sides(scene, drawn, known)
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    kernels = pick_engine(engine, layout.z.size, drawn.profile_coefficients.shape[1] > 0)
+    known = centre_vectors_and_interference(scene, drawn)
+    use = flanks_of_scene(scene) if everything else choose_flanks(scene, drawn, known)
     build = StaticInput(scene, drawn, layout, use, kernels, everything, refine, known)
-    result = solve_built(build, "lin", start)
+    result = solve_static_input(build, "lin", start)
     if discretisation and result.converged:
         result = with_discretisation_error(scene, result, partial(solve_static, engine=engine, member=member))
     return result
 
 
-def solve_built(build: StaticInput, name: str, start: float) -> StaticResult:
+def solve_static_input(problem_input: StaticInput, name: str, start: float) -> StaticResult:
     """Solve the static problem that an input describes, and return loads, motions and status.
 
     Parameters
     ----------
-    build
+    problem_input
         Input of the problem; its class decides which bodies are elastic.
     name
         Name of the model in the result.
     start
         Time at which the computation began (`time.perf_counter`) [s].
     """
-    solved = solve_with_chosen_flanks(build)
+    solved = solve_with_chosen_flanks(problem_input)
     if isinstance(solved, UnrestrainedProblem):
         return failed_result(solved.problem, name, solved.status, perf_counter() - start)
     system, outcome, mechanism = solved.system, solved.outcome, solved.mechanism
     problem, status = system.problem, solved.status
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, status, perf_counter() - start)
-    description = system.description()
+    description = system.model_description()
     report = solver_report(outcome, system, description, problem.nodes.size - 1, (start, solved.prepared_at), solved.notes)
-    left_out = (*describe_left_out(problem, mechanism, everything=build.everything), *description.left_out)
-    result = assemble_result(system.solved(), name, status, report, left_out, description.assumed)
+    left_out = (
+        *describe_left_out(problem, mechanism, everything=problem_input.models_unloaded_parts),
+        *description.left_out,
+    )
+    result = assemble_result(system.solved_state(), name, status, report, left_out, description.assumed)
 
     def loads_with_other_pins() -> Array | None:
         """Return the contact loads ``(N, 4)`` [N] with the other degrees of freedom fixed; None without a solution."""
-        again = pin_free_motions(solved.build.problem(), mechanism, True)
+        again = pin_free_motions(solved.build.build_problem(), mechanism, True)
         other, found = solve_with_updated_contacts(
-            solved.build.with_supports_of(again).ready(again), follow_profile_errors=False
+            solved.build.with_supports_of(again).build_equations(again), follow_profile_errors=False
         )
-        return None if no_state_found(found) else other.flanks()[0].contact[..., 0]
+        return None if is_solve_unusable(found) else other.contact_states()[0].contacts[..., 0]
 
     return with_note_on_pins(result, mechanism, loads_with_other_pins)
 
 
-def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: Callable[[], Array | None]) -> StaticResult:
+def with_note_on_pins(
+    result: StaticResult, mechanism: UnresistedMotions, other_loads: Callable[[], Array | None]
+) -> StaticResult:
     """Return the result with a note on how much the contact loads depend on the choice of pins.
 
     A pin is a degree of freedom that the model fixes because neither load nor support determines it. The result is returned
@@ -480,11 +516,11 @@ def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: C
         Function that computes the contact loads ``(N, 4)`` [N] with the other pins; None if the solver finds no solution.
     """
     balance = result.equilibrium
-    if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.others:
+    if balance is None or balance.pin_share <= PIN_SHOWN or not result.converged or not mechanism.alternative_pins:
         return result
     load = other_loads()
-    pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
-    words = f"{mechanism.text} is prevented by fixing {pins} of the first node; if {others} is fixed instead, "
+    pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.alternative_pins))
+    words = f"{mechanism.description} is prevented by fixing {pins} of the first node; if {others} is fixed instead, "
     if load is None:
         words += "the solver finds no equilibrium"
     else:
@@ -493,7 +529,7 @@ def with_note_on_pins(result: StaticResult, mechanism: Mechanism, other_loads: C
     return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
 
 
-def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
+def pin_free_motions(problem: Problem, mechanism: UnresistedMotions, use_alternative_pins: bool = False) -> Problem:
     """Return the problem with "pins": degrees of freedom fixed against motions that nothing resists and no load drives.
 
     If no contact can twist the shaft, its torsion is fixed too.
@@ -504,17 +540,17 @@ def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False
         Arrays of the static problem.
     mechanism
         Motions that nothing resists, and the degrees of freedom that can be pinned.
-    other
+    use_alternative_pins
         Whether to pin the alternative degrees of freedom ``mechanism.others`` instead of the first choice
         ``mechanism.pins``.
     """
-    chosen = mechanism.others if other else mechanism.pins
+    chosen = mechanism.alternative_pins if use_alternative_pins else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
         return problem
     fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
     for k in chosen:
         fixed[0, k] = True
-    if mechanism.no_torsion and problem.basis is None:
+    if mechanism.no_torsion and problem.rigid_motion_basis is None:
         held = np.flatnonzero(problem.fixed[:, 5])
         if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
             prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
@@ -522,17 +558,17 @@ def pin_free_motions(problem: Problem, mechanism: Mechanism, other: bool = False
     return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
-def runaway_status(problem: Problem) -> Status:
+def status_of_runaway_screw(problem: Problem) -> Status:
     """Return the status of a solve in which the screw moved without limit in the Newton iteration.
 
     The status is "not held" only if a linear program proves that contacts and supports cannot carry the load; otherwise it
     is "not converged". ``problem``: the static problem that was iterated.
     """
-    from rollbench.lowfi.statics.held import describe_motion, opening_motion, status_of_runaway_body
+    from rollbench.lowfi.statics.held import describe_motion, find_opening_motion, status_of_runaway_body
 
     opens = "the load opens every contact that could carry it, so the screw moves without limit (linear program: {})"
     return status_of_runaway_body(
-        partial(opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion))
+        partial(find_opening_motion, problem), "the screw", lambda motion: opens.format(describe_motion(motion))
     )
 
 

@@ -14,9 +14,9 @@ from rollbench.lowfi.hertz import contact_approach
 from rollbench.lowfi.statics.problem import Problem, SolvedState
 from rollbench.lowfi.statics.result import Equilibrium, SolverReport, StaticResult, Status
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.statics.shape import motion_matrices, rigid_transport
+from rollbench.lowfi.statics.shape import motion_matrices, rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.validity import validity_warnings
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import BeamSection
@@ -59,16 +59,16 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
         Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw its six free and fixed coordinates.
     """
     length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
-    if problem.basis is not None:
-        stations, motion = stations_of(length, nodes), problem.basis @ q.ravel()
-        return stations, rigid_transport(stations - problem.nodes[0]) @ motion
+    if problem.rigid_motion_basis is not None:
+        stations, motion = centreline_positions(length, nodes), problem.rigid_motion_basis @ q.ravel()
+        return stations, rigid_motion_transfer_matrix(stations - problem.nodes[0]) @ motion
     stations, j, m = _cached_motion_matrices(length, nodes, problem.section)
     of_nodes = q.reshape(-1, 6)
     motions = np.einsum("kab,kb->ka", m, np.concatenate([of_nodes[j], of_nodes[j + 1]], axis=1))
     return stations.copy(), np.asarray(motions)
 
 
-def stations_of(length: float, nodes: tuple[float, ...]) -> Array:
+def centreline_positions(length: float, nodes: tuple[float, ...]) -> Array:
     """Return the sorted axial positions [m] at which the centreline of a screw is reported: every 10 mm, and all nodes.
 
     Parameters
@@ -88,11 +88,11 @@ def _cached_motion_matrices(
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """Return the positions at which a screw's centreline is reported, and matrices from node motions to the motions there.
 
-    Entries: axial positions ``(k,)`` [m] as for `stations_of`; the first node ``(k,)`` of the beam element at each of them;
-    and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the motions there (`motion_matrices`).
-    The last eight results are cached.
+    Entries: axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the beam element at each
+    of them; and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the motions there
+    (`motion_matrices`). The last eight results are cached.
     """
-    stations = stations_of(length, nodes)
+    stations = centreline_positions(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)
 
 
@@ -102,15 +102,15 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
     ``solved``: solution with N balls. Both arrays have the shape ``(N, 4, 3)``: balls, flanks SL, SR, NL, NR, and the
     coordinates x, y, z of the scene.
     """
-    problem, normal = solved.problem, solved.normal
+    problem, normal = solved.problem, solved.contact_normals
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    plane = problem.drawn.radius[None, :, None] * normal
-    if problem.drawn.profile.shape[1] and solved.shifts is not None:
-        w = -problem.drawn.centre + solved.centre[:, None, :] - solved.shifts
-        distance = problem.drawn.ball_radius[:, None] - contact_approach(solved.force, problem.C)
+    plane = problem.drawn.groove_radii[None, :, None] * normal
+    if problem.drawn.profile_coefficients.shape[1] and solved.flank_motions is not None:
+        w = -problem.drawn.groove_centres + solved.ball_centres[:, None, :] - solved.flank_motions
+        distance = problem.drawn.ball_radii[:, None] - contact_approach(solved.contact_forces, problem.C)
         plane = w + distance[..., None] * normal
-    points = np.einsum("nsa,nak->nsk", plane + problem.drawn.centre, axes) + layout.centre[:, None, :]
+    points = np.einsum("nsa,nak->nsk", plane + problem.drawn.groove_centres, axes) + layout.centre[:, None, :]
     return points, -np.einsum("nsa,nak->nsk", normal, axes)
 
 
@@ -129,18 +129,18 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
     on_ball
         Unit vectors of the contact forces on the balls ``(N, 4, 3)``.
     """
-    problem, force, nodal = solved.problem, solved.force, solved.reactions
+    problem, force, nodal = solved.problem, solved.contact_forces, solved.reactions
     scene, pins = problem.scene, np.isin(np.arange(6), problem.pins)
     on_screw = -on_ball[:, :2] * force[:, :2, None]
     moments = np.cross(points[:, :2], on_screw)
     contact = np.concatenate([on_screw.sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
-    applied = wrench_of(scene.loads)
-    if problem.basis is None:
+    applied = resultant_of_loads(scene.loads)
+    if problem.rigid_motion_basis is None:
         pinned = np.where(pins, nodal[0], 0.0)
         held = np.concatenate([[nodal[0] - pinned], nodal[1:]])
         reaction, pin = resultant_about_origin(problem.nodes, held), resultant_about_origin(problem.nodes[:1], pinned[None])
     else:  # the supports of a rigid screw carry the remaining load along the motions that they prevent
-        t, z0 = problem.basis, problem.nodes[:1]
+        t, z0 = problem.rigid_motion_basis, problem.nodes[:1]
         along = np.where(problem.fixed[0], t.T @ resultant_about_origin(-z0, (applied + contact)[None]), 0.0)
         each = (np.asarray(np.linalg.solve(t.T, np.where(taken, along, 0.0)))[None] for taken in (~pins, pins))
         reaction, pin = (resultant_about_origin(z0, -taken) for taken in each)
@@ -148,16 +148,18 @@ def check_screw_equilibrium(solved: SolvedState, points: Array, on_ball: Array) 
         *(float(np.abs(x[:3]).max()) for x in (applied, contact, reaction)),
         float(np.abs(nodal[:, 3:]).max()) / scene.track.pitch_radius,  # supports may load the screw by torsion alone
         float(force.max(initial=0.0)),
-        solved.scale,
+        solved.residual_force_scale,
     )
     sums = applied, reaction, contact, pin
     s, noise = problem.section, (0.0, 0.0)
-    if problem.basis is None:
-        noise = round_off_forces(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.motion)
-    return check_equilibrium(sums, size, scene.track.pitch_radius, noise, net_forces(force, solved.normal))
+    if problem.rigid_motion_basis is None:
+        noise = round_off_forces(np.diff(problem.nodes), np.array([[s.EA, s.EI, s.GJ, s.kGA]]), solved.nodal_motions)
+    return check_equilibrium(
+        sums, size, scene.track.pitch_radius, noise, magnitudes_of_net_ball_forces(force, solved.contact_normals)
+    )
 
 
-def reactions_of(solved: SolvedState, reaction: Array) -> Array:
+def support_reactions(solved: SolvedState, reaction: Array) -> Array:
     """Return force and moment of every support on the screw, at the support's axial position ``(s, 6)`` [N, N m].
 
     If the supports of a rigid screw are statically indeterminate, the reactions of least norm are returned.
@@ -170,10 +172,10 @@ def reactions_of(solved: SolvedState, reaction: Array) -> Array:
         Sum of force and moment of all supports about the origin ``(6,)`` [N, N m].
     """
     problem, supports = solved.problem, solved.problem.scene.supports
-    if problem.basis is None:
+    if problem.rigid_motion_basis is None:
         return nodal_reactions(problem.nodes, supports, solved.reactions)
     held = [(i, FREEDOMS.index(name)) for i, s in enumerate(supports) for name, _ in s.fixed]
-    unit = np.array([rigid_transport(supports[i].at)[k] for i, k in held]).reshape(-1, 6)
+    unit = np.array([rigid_motion_transfer_matrix(supports[i].at)[k] for i, k in held]).reshape(-1, 6)
     out = np.zeros((len(supports), 6))
     for (i, k), size in zip(held, np.linalg.lstsq(unit.T, reaction, rcond=None)[0], strict=True):
         out[i, k] = size
@@ -209,10 +211,10 @@ def resultant_about_origin(stations: Array, wrenches: Array) -> Array:
     wrenches
         Forces and moments at the points, ``(n, 6)`` [N, N m].
     """
-    return np.asarray(np.einsum("nij,ni->j", rigid_transport(stations), wrenches))
+    return np.asarray(np.einsum("nij,ni->j", rigid_motion_transfer_matrix(stations), wrenches))
 
 
-def wrench_of(loads: Sequence[Load]) -> Array:
+def resultant_of_loads(loads: Sequence[Load]) -> Array:
     """Return the resultant force and moment about the origin ``(6,)`` [N, N m] of external loads.
 
     Parameters
@@ -224,7 +226,7 @@ def wrench_of(loads: Sequence[Load]) -> Array:
     return resultant_about_origin(np.array([x.at for x in loads]), wrenches)
 
 
-def net_forces(force: Array, normal: Array) -> Array:
+def magnitudes_of_net_ball_forces(force: Array, normal: Array) -> Array:
     """Return the magnitude of the resultant contact force on each ball ``(N,)`` [N], which is zero in equilibrium.
 
     Parameters
@@ -330,7 +332,7 @@ def status_after_equilibrium_check(
     return Status("not converged", f"{body} is out of balance by {balance.largest:.1e} of the largest force or moment")
 
 
-def add_reason_not_unique(status: Status, warnings: Sequence[Warned]) -> Status:
+def add_reason_not_unique(status: Status, warnings: Sequence[ResultWarning]) -> Status:
     """Return the status, with a further reason if the solver did not converge because the contact pattern is not unique.
 
     Flanks with profile errors can touch a ball at several places. Warnings of the kind "profile" report this; their texts
@@ -361,8 +363,8 @@ def contact_result(
         Whether each groove is one arc that extends to both sides of its bottom, as in a deep groove bearing. Contact angles
         are then checked by their magnitude.
     """
-    problem, force = solved.problem, solved.force
-    raw = contact_angles(solved.normal)
+    problem, force = solved.problem, solved.contact_forces
+    raw = contact_angles(solved.contact_normals)
     points, on_ball = contact_geometry(solved)
     return StaticResult(
         model="",
@@ -373,7 +375,7 @@ def contact_result(
         contact_angle=np.where(force > 0.0, raw, np.nan),
         contact_point=points,
         force_direction=on_ball,
-        centre_shift=solved.centre,
+        centre_shift=solved.ball_centres,
         hertz_C=problem.C.copy(),
         centreline_z=z,
         centreline=motion,
@@ -416,13 +418,13 @@ def assemble_result(
         contacts do not balance. The equilibrium check then does not change the status.
     """
     problem = solved.problem
-    result = contact_result(solved, *centreline(problem, solved.motion), report)
+    result = contact_result(solved, *centreline(problem, solved.nodal_motions), report)
     balance = check_screw_equilibrium(solved, result.contact_point, result.force_direction)
     if not has_own_lever_arms:
         status = status_after_equilibrium_check(status, balance, problem.scene.ingredients.arm == "nominal")
     status = add_reason_not_unique(status, result.warnings)
     assumed = (*problem.scene.assumed, *assumptions)
-    reactions = reactions_of(solved, np.concatenate([balance.reaction_force, balance.reaction_moment]))
+    reactions = support_reactions(solved, np.concatenate([balance.reaction_force, balance.reaction_moment]))
     result = replace(result, model=model, status=status, equilibrium=balance, reactions=reactions)
     return replace(result, assumed=assumed, left_out=left_out)
 

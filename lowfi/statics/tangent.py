@@ -18,25 +18,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollbench.lowfi.compliance.parts import REFINED, Backend
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import ElasticInput
 from rollbench.lowfi.statics.kernel.elastic import ball_rows
 from rollbench.lowfi.statics.problem import Problem
-from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene
+from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene
 from rollbench.lowfi.statics.shaft import flank_motion_coefficients
-from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.static import UnrestrainedProblem, pick_engine, solve_with_chosen_flanks
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Scene, Support
 
 if TYPE_CHECKING:
-    from rollbench.lowfi.compliance.bodies import Condensed
+    from rollbench.lowfi.compliance.bodies import CondensedCompliance
 
 
 @dataclass(frozen=True)
-class Tangent:
+class TangentStiffness:
     """Tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut."""
 
     #: Axial position of the cross-section [m].
@@ -80,8 +80,13 @@ class Tangent:
 
 
 def tangent_stiffness(
-    scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
-) -> Tangent:
+    scene: Scene,
+    station: float,
+    *,
+    backend: ComplianceModel = REFINED,
+    condensed: CondensedCompliance | None = None,
+    member: int = 0,
+) -> TangentStiffness:
     """Return the tangent stiffness of a loaded ball screw between a cross-section of the screw and the fixed nut.
 
     It is the matrix K of equation (1) of the module. Changes of Hertz constants with the contact angle, and of lever arms
@@ -109,17 +114,19 @@ def tangent_stiffness(
         length = f"{1e3 * scene.screw.length:g} mm"
         raise ValueError(f"the position of the section must lie on the screw, from 0 to {length}, got {1e3 * station:g} mm")
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout, member)
-    every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile.shape[1] > 0
-    use = flanks_of_scene(scene) if every else choose_sides(scene, drawn)  # no negative compliance from beams
+    drawn = draw_geometry_with_errors(scene, layout, member)
+    every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile_coefficients.shape[1] > 0
+    use = flanks_of_scene(scene) if every else choose_flanks(scene, drawn)  # no negative compliance from beams
     parts = scene, drawn, layout, use, pick_engine("auto", layout.z.size)
-    solved = solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, condensed=condensed))
+    solved = solve_with_chosen_flanks(ElasticInput(*parts, backend=backend, condensed_bodies=condensed))
     status = solved.status
     if isinstance(solved, UnrestrainedProblem) or status != "converged":
-        return Tangent(station, np.full((6, 6), np.nan), status)
+        return TangentStiffness(station, np.full((6, 6), np.nan), status)
     clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
     held = replace(solved.build, scene=replace(scene, supports=(clamp,), loads=()))
-    return Tangent(station, _stiffness_at_clamp(solved.system, held.ready(held.problem()), station), status)
+    return TangentStiffness(
+        station, _stiffness_at_clamp(solved.system, held.build_equations(held.build_problem()), station), status
+    )
 
 
 def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) -> Array:
@@ -174,8 +181,8 @@ def flank_motions_by_clamp(problem: Problem, station: float) -> Array:
         then flank SR likewise.
     """
     dof, rows = flank_motion_coefficients(problem, [0, 1])
-    nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])
-    if problem.basis is not None:
-        nodes = np.linalg.solve(problem.basis, nodes)
+    nodes = np.concatenate([rigid_motion_transfer_matrix(float(z - station)) for z in problem.nodes])
+    if problem.rigid_motion_basis is not None:
+        nodes = np.linalg.solve(problem.rigid_motion_basis, nodes)
     moved = np.einsum("cak,ckj->caj", rows, nodes[dof])
     return np.asarray(moved.reshape(2, -1, 2, 6).transpose(1, 0, 2, 3).reshape(-1, 6))

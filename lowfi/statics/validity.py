@@ -7,15 +7,15 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.statics.contacts import own_hertz
+from rollbench.lowfi.statics.contacts import hertz_of_every_contact
 from rollbench.lowfi.statics.problem import SIGNS, Problem, SolvedState
 from rollbench.lowfi.statics.settle import contact_angles
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.numerics import pairs_of_close_points
 from rollbench.meshes.one_arc import has_single_arc_grooves
 from rollbench.meshes.parts import SIDES, Scene
-from rollbench.meshes.section import axial_range_of_nut_groove, groove_section
+from rollbench.meshes.section import screw_groove_section, section_angle_range_of_nut_groove
 
 Element = Literal["ball", "roller"]
 
@@ -36,7 +36,7 @@ PROFILE_SHARE = 0.5
 OVERLAP = 1e-9
 
 
-def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[Warned, ...]:
+def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[ResultWarning, ...]:
     """Return all warnings that a static solution lies outside the model's range of validity.
 
     Parameters
@@ -50,10 +50,10 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
     motion
         Motions of the shaft there ``(k, 6)`` [m, rad].
     """
-    problem, force = solved.problem, solved.force
-    constants = own_hertz(problem.scene, problem.drawn)
+    problem, force = solved.problem, solved.contact_forces
+    constants = hertz_of_every_contact(problem.scene, problem.drawn)
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
-    shift = solved.centre * loaded
+    shift = solved.ball_centres * loaded
     return (
         *_arc_limit_warnings(problem, force, gamma, shift),
         *_overlapping_contact_warning(problem, force, gamma),
@@ -65,16 +65,16 @@ def validity_warnings(solved: SolvedState, gamma: Array, z: Array, motion: Array
     )
 
 
-def groove_range(scene: Scene) -> tuple[Array, Array]:
+def contact_angle_limits(scene: Scene) -> tuple[Array, Array]:
     """Return the smallest and the largest contact angle that each flank's arc allows, ``(4,)`` each [rad].
 
     The arc of a Gothic groove reaches from the apex at the groove's bottom to the edge of the land, the cylindrical surface
     beside the groove. A groove of a single arc reaches from one land to the other, with shoulders of equal height.
     """
-    screw, nut = groove_section(scene), axial_range_of_nut_groove(scene)
+    screw, nut = screw_groove_section(scene), section_angle_range_of_nut_groove(scene)
     if has_single_arc_grooves(scene):
-        return np.repeat([-screw.gamma_2, -nut[1]], 2), np.repeat([screw.gamma_2, nut[1]], 2)
-    low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
+        return np.repeat([-screw.edge_angle, -nut[1]], 2), np.repeat([screw.edge_angle, nut[1]], 2)
+    low, high = (screw.apex_angle, nut[0]), (screw.edge_angle, nut[1])
     return np.repeat(low, 2), np.repeat(high, 2)
 
 
@@ -86,7 +86,7 @@ def arc_end_names(scene: Scene) -> str:
     return "land edge" if has_single_arc_grooves(scene) else "apex or land edge"
 
 
-def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[Warned]:
+def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[ResultWarning]:
     """Return warnings of contacts or contact ellipses beyond the groove's arc, and of balls that move too far.
 
     Parameters
@@ -102,7 +102,7 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
     """
     notes: list[str] = []
     loaded = force > 0.0
-    low, high = groove_range(problem.scene)
+    low, high = contact_angle_limits(problem.scene)
     radius = problem.scene.balls.radius
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
@@ -110,8 +110,10 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
             f"{int(off.sum())} contact(s) lie beyond the groove's arc ({arc_end_names(problem.scene)}), where the model is "
             "not valid"
         )
-    semi_axis = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force)  # the long axis lies across the groove
-    half = semi_axis / problem.drawn.radius
+    semi_axis = hertz_of_every_contact(problem.scene, problem.drawn).C_a * np.cbrt(
+        force
+    )  # the long axis lies across the groove
+    half = semi_axis / problem.drawn.groove_radii
     cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
     if cut.any():
         worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
@@ -122,10 +124,10 @@ def _arc_limit_warnings(problem: Problem, force: Array, gamma: Array, shift: Arr
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: the theory of small displacements is not valid")
-    return [Warned("place", note) for note in notes]
+    return [ResultWarning("place", note) for note in notes]
 
 
-def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[Warned]:
+def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -> list[ResultWarning]:
     """Return a warning if a ball's contacts with both flanks of a groove are so close that they are one contact.
 
     Their distance is less than a semi-axis of the contact ellipse. The groove is a single arc there, and the model counts
@@ -141,7 +143,7 @@ def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -
     gamma
         Contact angles ``(N, 4)`` [rad].
     """
-    half = own_hertz(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.radius
+    half = hertz_of_every_contact(problem.scene, problem.drawn).C_a * np.cbrt(force) / problem.drawn.groove_radii
     pairs = force.reshape(-1, 2, 2)
     double = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
     if not double.any():
@@ -158,10 +160,10 @@ def _overlapping_contact_warning(problem: Problem, force: Array, gamma: Array) -
         f"{right:.4g} N in place of one force of up to {left + right:.4g} N); its pressure is higher by up to "
         f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
     )
-    return [Warned("two flanks", text)]
+    return [ResultWarning("two flanks", text)]
 
 
-def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
+def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
     """Return a warning if a contact is too large, relative to its ball or roller, for Hertz's theory of half spaces.
 
     Parameters
@@ -178,10 +180,10 @@ def size_warnings(semi_axis: Array, radius: float, element: Element = "ball") ->
         return []
     shape, half = ("contact ellipse", "semi-axis") if element == "ball" else ("line contact", "half-width")
     words = f"a {half} is {most:.2g} of the {element}'s radius; Hertz's half space is valid up to {LARGE:g}"
-    return [Warned("size", f"{shape} too large: {words}", f"{shape} of {most:.2g} of the {element}'s radius")]
+    return [ResultWarning("size", f"{shape} too large: {words}", f"{shape} of {most:.2g} of the {element}'s radius")]
 
 
-def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[Warned]:
+def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: Element = "ball") -> list[ResultWarning]:
     """Return warnings of contacts that are too large for Hertz's theory, or so loaded that they leave an indentation.
 
     Parameters
@@ -205,11 +207,11 @@ def contact_warnings(pressure: Array, semi_axis: Array, radius: float, element: 
             f"{worst}; above this pressure hardened steel is permanently indented by more than 1e-4 of the {element}'s "
             "diameter (ISO 76), while the computed loads assume elastic contacts"
         )
-        notes.append(Warned("pressure", text, f"contact pressure {most}, above {allowed}"))
+        notes.append(ResultWarning("pressure", text, f"contact pressure {most}, above {allowed}"))
     return notes
 
 
-def _ball_overlap_warning(problem: Problem, shift: Array) -> list[Warned]:
+def _ball_overlap_warning(problem: Problem, shift: Array) -> list[ResultWarning]:
     """Return a warning if neighbouring balls overlap in the solution, since the model has no contact between balls.
 
     Parameters
@@ -219,7 +221,7 @@ def _ball_overlap_warning(problem: Problem, shift: Array) -> list[Warned]:
     shift
         Displacements of the balls' centres in their section planes ``(N, 2)`` [m].
     """
-    layout, radius = problem.layout, problem.drawn.ball_radius
+    layout, radius = problem.layout, problem.drawn.ball_radii
     centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
     if not np.isfinite(centre).all():
         return []
@@ -236,10 +238,10 @@ def _ball_overlap_warning(problem: Problem, shift: Array) -> list[Warned]:
         f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
         "in reality they are wedged against one another; the model neglects contact between balls"
     )
-    return [Warned("wedged", text)]
+    return [ResultWarning("wedged", text)]
 
 
-def profile_warning(solved: SolvedState) -> list[Warned]:
+def profile_warning(solved: SolvedState) -> list[ResultWarning]:
     """Return a warning if profile errors of a groove allow several contact points of one ball and flank, or none.
 
     Profile errors shift the centre of curvature of the profile off the groove's centre, by the derivative of the groove's
@@ -248,14 +250,14 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
     is a polynomial of the angle from -180 to 180 deg with a jump at its ends. A ball that is pressed onto the jump has no
     equilibrium on either side of it.
     """
-    profile = solved.problem.drawn.profile
-    if not profile.shape[1] or solved.shifts is None:
+    profile = solved.problem.drawn.profile_coefficients
+    if not profile.shape[1] or solved.flank_motions is None:
         return []
-    powers, angle = np.arange(profile.shape[1]), contact_angles(solved.normal)
+    powers, angle = np.arange(profile.shape[1]), contact_angles(solved.contact_normals)
     slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers[1:], angle[..., None] ** powers[:-1]))
     jump = 2.0 * np.abs(profile[:, 1::2] @ np.pi ** powers[1::2])
-    w = SIGNS * (solved.centre[:, None, :] - solved.shifts - solved.problem.drawn.centre)
-    loaded, size = solved.force > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
+    w = SIGNS * (solved.ball_centres[:, None, :] - solved.flank_motions - solved.problem.drawn.groove_centres)
+    loaded, size = solved.contact_forces > 0.0, np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
     share = np.where(loaded, slope / size, 0.0)
     at_end = loaded & (size * (np.pi - np.abs(np.arctan2(w[..., 1], w[..., 0]))) < jump)
     ball, side = np.unravel_index(int((share + at_end * share.max()).argmax()), share.shape)
@@ -273,10 +275,10 @@ def profile_warning(solved: SolvedState) -> list[Warned]:
         )
     else:
         return []
-    return [Warned("profile", f"the contact pattern is not unique: at ball {ball + 1} {why}")]
+    return [ResultWarning("profile", f"the contact pattern is not unique: at ball {ball + 1} {why}")]
 
 
-def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[Warned]:
+def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[ResultWarning]:
     """Return a warning if the screw tilts so much at the balls that neglected second-order terms matter for the contacts.
 
     In addition to its linear motion, a tilt t moves a groove by R t^2/2, with the pitch radius R. Rotations about the
@@ -302,7 +304,7 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     return large_tilt_warning(tilt, problem.scene.track.pitch_radius, approach)
 
 
-def large_tilt_warning(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[Warned]:
+def large_tilt_warning(tilt: float, radius: float, approach: float, element: Element = "ball") -> list[ResultWarning]:
     """Return a warning if the shaft's tilt is too large for the theory of small rotations, see `tilt_warning`.
 
     Parameters
@@ -325,10 +327,10 @@ def large_tilt_warning(tilt: float, radius: float, approach: float, element: Ele
         f"{1e6 * beyond:.2g} um of a {'groove' if element == 'ball' else 'raceway'}'s motion, {share} the largest contact "
         "approach"
     )
-    return [Warned("tilt", text)]
+    return [ResultWarning("tilt", text)]
 
 
-def rotation_warning(z: Array, motion: Array) -> list[Warned]:
+def rotation_warning(z: Array, motion: Array) -> list[ResultWarning]:
     """Return a warning if a section of the shaft rotates too much for a linear beam.
 
     Parameters
@@ -344,4 +346,4 @@ def rotation_warning(z: Array, motion: Array) -> list[Warned]:
     at = int(size.argmax())
     most, small = f"{1e3 * size[at]:.3g} mrad", f"{1e3 * SMALL_ROTATION:g} mrad"
     text = f"a section of the screw rotates by {most} (at {1e3 * z[at]:.4g} mm): the linear beam is valid up to {small}"
-    return [Warned("rotation", text, f"rotations of {most}, above {small}")]
+    return [ResultWarning("rotation", text, f"rotations of {most}, above {small}")]

@@ -31,7 +31,7 @@ WEAK_ARM = 1e-3
 
 
 @dataclass(frozen=True)
-class Units:
+class DeckUnits:
     """Units of length and stress in an input deck; forces are in N."""
 
     #: Unit of length [m].
@@ -39,10 +39,10 @@ class Units:
     #: Unit of stress [Pa].
     stress: float
     #: Names of the units, for the deck's heading.
-    words: str
+    names: str
 
 
-UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
+UNITS = {"mm": DeckUnits(1e-3, 1e6, "mm, N, MPa"), "m": DeckUnits(1.0, 1.0, "m, N, Pa")}
 
 
 @dataclass(frozen=True)
@@ -58,14 +58,14 @@ class DeckBody:
     #: Elastic material.
     material: Material
     #: Sets of nodes by name.
-    nodes: dict[str, Index] = field(default_factory=dict)
+    node_sets: dict[str, Index] = field(default_factory=dict)
     #: Sets of faces by name; each face is given by its corners ``(k, 3)``.
-    faces: dict[str, Index] = field(default_factory=dict)
+    face_sets: dict[str, Index] = field(default_factory=dict)
     #: Nodes connected to the ground by weak springs.
-    weak: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    nodes_with_weak_springs: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     #: Pairs of nodes whose displacements along one axis are set equal, which prevents a rotation of the body without fixing
     #: it ``(k, 3)``: two nodes, and the axis 0 to 2.
-    alike: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+    nodes_with_equal_displacement: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
 
 
 @dataclass(frozen=True)
@@ -75,17 +75,17 @@ class RigidSection:
     #: Name of the section.
     name: str
     #: Name of the body.
-    body: str
+    body_name: str
     #: Name of the section's set of nodes.
-    nodes: str
+    node_set: str
     #: Point on the axis to which motion and load refer ``(3,)`` [m].
-    point: Array
+    reference_point: Array
     #: Pairs of a degree of freedom (0 to 5) and its prescribed displacement [m] or small rotation [rad].
-    held: tuple[tuple[int, float], ...]
+    prescribed_motion: tuple[tuple[int, float], ...]
     #: Force [N] and moment [N m] on the section ``(6,)``.
     load: Array
     #: Degrees of freedom (0 to 5) connected to the ground by weak springs.
-    weak: tuple[int, ...] = ()
+    freedoms_with_weak_springs: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -93,35 +93,35 @@ class ContactPair:
     """Contact pair of an input deck: names of the slave and master surface, which may come into contact."""
 
     #: Name of the slave surface.
-    slave: str
+    slave_surface: str
     #: Name of the master surface.
-    master: str
+    master_surface: str
 
 
 @dataclass(frozen=True)
-class Deck:
+class InputDeck:
     """Contents of an input deck for CalculiX or Abaqus: bodies, rigid sections, contact pairs, boundary conditions."""
 
     #: All bodies.
     bodies: tuple[DeckBody, ...]
     #: Rigid sections of the bodies.
-    sections: tuple[RigidSection, ...]
+    rigid_sections: tuple[RigidSection, ...]
     #: Names of the sets of nodes that are fixed in all directions.
-    fixed: tuple[str, ...]
+    fixed_node_sets: tuple[str, ...]
     #: Contact pairs.
-    contacts: tuple[ContactPair, ...]
+    contact_pairs: tuple[ContactPair, ...]
     #: Slope of the linear pressure-overclosure law of all contacts [Pa/m].
-    stiffness: float
+    contact_stiffness: float
     #: Stiffness of every weak spring [N/m].
-    spring: float
+    weak_spring_stiffness: float
     #: Lines of comment at the head of the deck.
-    heading: tuple[str, ...]
+    comment_lines: tuple[str, ...]
     #: Title of the model.
     title: str
     #: Whether the step is geometrically nonlinear (keyword NLGEOM).
-    nlgeom: bool = False
+    geometrically_nonlinear: bool = False
     #: Names of the sets of nodes on a plane of symmetry, which are fixed along y.
-    mirrored: tuple[str, ...] = ()
+    symmetry_node_sets: tuple[str, ...] = ()
 
     @property
     def node_count(self) -> int:
@@ -219,7 +219,7 @@ def surface_faces(cells: Index) -> Index:
     return np.asarray(faces[np.sort(first[count == 1])])
 
 
-def deck_text(deck: Deck, unit: str = "mm") -> str:
+def deck_text(deck: InputDeck, unit: str = "mm") -> str:
     """Return an input deck for CalculiX or Abaqus as text.
 
     Parameters
@@ -243,14 +243,14 @@ def deck_text(deck: Deck, unit: str = "mm") -> str:
     return text.encode("ascii", "replace").decode("ascii")
 
 
-def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
+def _deck_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     """Yield all lines of an input deck."""
-    names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.nodes, *b.faces)]
-    ends = [f"{s.name}_{what}" for s in deck.sections for what in ("MOVE", "TURN")]
+    names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.node_sets, *b.face_sets)]
+    ends = [f"{s.name}_{what}" for s in deck.rigid_sections for what in ("MOVE", "TURN")]
     check_names([*(b.name for b in deck.bodies), *names, *ends])
     yield "*HEADING"
     yield deck.title[:80]
-    yield from (f"** {line}" for line in (*deck.heading, f"Units: {units.words}"))
+    yield from (f"** {line}" for line in (*deck.comment_lines, f"Units: {units.names}"))
     starts: dict[str, tuple[int, int]] = {}
     nodes = cells = 0
     for body in deck.bodies:
@@ -262,25 +262,29 @@ def _deck_lines(deck: Deck, units: Units) -> Iterator[str]:
         yield f"{number_text(body.material.youngs_modulus / units.stress)}, {number_text(body.material.poissons_ratio)}"
         yield f"*SOLID SECTION, ELSET={body.name}, MATERIAL=MAT_{body.name}"
     references: dict[str, int] = {}
-    for section in deck.sections:
+    for section in deck.rigid_sections:
         references[section.name] = nodes
         yield from _section_lines(section, deck, starts, nodes, units)
         nodes += 2
     for body in deck.bodies:
-        for first, second, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
+        for first, second, axis in (
+            body.nodes_with_equal_displacement + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]
+        ).tolist():
             yield from ("*EQUATION", "2", f"{first}, {axis}, 1.0, {second}, {axis}, -1.0")
-    springs = [(starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.weak for axis in range(AXES)]
-    springs += [(references[s.name], f) for s in deck.sections for f in s.weak]
-    yield from _spring_lines(springs, cells, deck.spring, units)
+    springs = [
+        (starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.nodes_with_weak_springs for axis in range(AXES)
+    ]
+    springs += [(references[s.name], f) for s in deck.rigid_sections for f in s.freedoms_with_weak_springs]
+    yield from _spring_lines(springs, cells, deck.weak_spring_stiffness, units)
     yield from _contact_lines(deck, units)
     yield "*BOUNDARY"
-    yield from (f"{name}, 1, 3" for name in deck.fixed)
-    yield from (f"{name}, 2, 2" for name in deck.mirrored)
+    yield from (f"{name}, 1, 3" for name in deck.fixed_node_sets)
+    yield from (f"{name}, 2, 2" for name in deck.symmetry_node_sets)
     yield from _prescribed_motion_lines(deck, references, units, moved=False)
     yield from _step_lines(deck, references, units)
 
 
-def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
+def _body_lines(body: DeckBody, nodes: int, cells: int, units: DeckUnits) -> Iterator[str]:
     """Yield the lines of an input deck with the nodes, elements and sets of a body.
 
     ``nodes``, ``cells``: numbers of nodes and elements of the bodies before it in the deck, after which the numbers of its
@@ -292,10 +296,10 @@ def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterato
     yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
     for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
         yield from comma_separated_lines([k, *row])
-    for name, members in body.nodes.items():
+    for name, members in body.node_sets.items():
         yield f"*NSET, NSET={name}"
         yield from set_entry_lines((members + nodes + 1).tolist())
-    for name, corners in body.faces.items():
+    for name, corners in body.face_sets.items():
         yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
         yield from (
             f"{cell + cells + 1}, S{face}" for cell, face in cells_and_numbers_of_faces(body.cells, corners).tolist()
@@ -303,7 +307,7 @@ def _body_lines(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterato
 
 
 def _section_lines(
-    section: RigidSection, deck: Deck, starts: dict[str, tuple[int, int]], reference: int, units: Units
+    section: RigidSection, deck: InputDeck, starts: dict[str, tuple[int, int]], reference: int, units: DeckUnits
 ) -> Iterator[str]:
     """Yield the lines of a rigid section: two reference nodes, and the equation u = t + theta x r of each other node.
 
@@ -312,14 +316,14 @@ def _section_lines(
     elements before each body in the deck, by the body's name; ``reference``: largest node number before the two reference
     nodes.
     """
-    body = next(b for b in deck.bodies if b.name == section.body)
-    place = ", ".join(number_text(x) for x in (section.point / units.length).tolist())
+    body = next(b for b in deck.bodies if b.name == section.body_name)
+    place = ", ".join(number_text(x) for x in (section.reference_point / units.length).tolist())
     for k, motion in enumerate(("MOVE", "TURN"), start=1):
         yield f"*NODE, NSET={section.name}_{motion}"
         yield f"{reference + k}, {place}"
-    first = starts[section.body][0]
-    for node in body.nodes[section.nodes].tolist():
-        r = (body.points[node] - section.point) / units.length
+    first = starts[section.body_name][0]
+    for node in body.node_sets[section.node_set].tolist():
+        r = (body.points[node] - section.reference_point) / units.length
         for axis in range(AXES):
             b, c = (axis + 1) % AXES, (axis + 2) % AXES
             terms = [(first + node + 1, axis, 1.0), (reference + 1, axis, -1.0)]
@@ -329,7 +333,7 @@ def _section_lines(
             yield ", ".join(f"{n}, {k + 1}, {number_text(value)}" for n, k, value in terms)
 
 
-def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
+def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: DeckUnits) -> Iterator[str]:
     """Yield the lines of weak springs between nodes and the ground.
 
     ``springs``: pairs of a node, counted from 0, and a degree of freedom 0 to 5; ``cells``: number of elements before the
@@ -348,50 +352,52 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
             cells += len(nodes)
 
 
-def _prescribed_motion_lines(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
+def _prescribed_motion_lines(
+    deck: InputDeck, references: dict[str, int], units: DeckUnits, *, moved: bool
+) -> Iterator[str]:
     """Yield the lines of the rigid sections' prescribed motions: those of zero, or (``moved``) all others.
 
     ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
     prescribed motions other than zero only inside a step.
     """
-    for section in deck.sections:
-        for freedom, value in section.held:
+    for section in deck.rigid_sections:
+        for freedom, value in section.prescribed_motion:
             if (value != 0.0) == moved:
                 node, axis = references[section.name] + freedom // AXES + 1, freedom % AXES + 1
                 tail = f", {number_text(value / units.length if freedom < AXES else value)}" if moved else ""
                 yield f"{node}, {axis}, {axis}{tail}"
 
 
-def _contact_lines(deck: Deck, units: Units) -> Iterator[str]:
+def _contact_lines(deck: InputDeck, units: DeckUnits) -> Iterator[str]:
     """Yield the lines of an input deck for the frictionless contact law and all contact pairs."""
     yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
-    yield number_text(deck.stiffness / units.stress * units.length)
-    for contact in deck.contacts:
+    yield number_text(deck.contact_stiffness / units.stress * units.length)
+    for contact in deck.contact_pairs:
         yield "*CONTACT PAIR, INTERACTION=FRICTIONLESS, TYPE=SURFACE TO SURFACE"
-        yield f"{contact.slave}, {contact.master}"
+        yield f"{contact.slave_surface}, {contact.master_surface}"
 
 
-def _step_lines(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
+def _step_lines(deck: InputDeck, references: dict[str, int], units: DeckUnits) -> Iterator[str]:
     """Yield the lines of the static step: prescribed motions, loads and requested output.
 
     ``references``: largest node number before the two reference nodes of each section, by its name.
     """
-    yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
+    yield from (f"*STEP, INC=100{', NLGEOM' if deck.geometrically_nonlinear else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
     yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
     moved = list(_prescribed_motion_lines(deck, references, units, moved=True))
     if moved:
         yield from ("*BOUNDARY", *moved)
-    for section in deck.sections:
+    for section in deck.rigid_sections:
         place = references[section.name]
         loads = [(k, v if k < AXES else v / units.length) for k, v in enumerate(section.load.tolist()) if v]
         if loads:
             yield "*CLOAD"
             yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number_text(v)}" for k, v in loads)
-    for contact in deck.contacts:
-        yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
-    for section in deck.sections:
+    for contact in deck.contact_pairs:
+        yield from (f"*CONTACT PRINT, SLAVE={contact.slave_surface}, MASTER={contact.master_surface}", "CFN")
+    for section in deck.rigid_sections:
         yield from (f"*NODE PRINT, NSET={section.name}_{motion}\nU" for motion in ("MOVE", "TURN"))
     for body in deck.bodies:
-        if len(body.weak):
+        if len(body.nodes_with_weak_springs):
             yield from (f"*NODE PRINT, NSET={body.name}_WEAK", "U")
     yield from ("*NODE FILE", "U", "*EL FILE", "S", "*END STEP")

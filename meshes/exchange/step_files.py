@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import SIDE_SIGNS, SIDES, Scene
 from rollbench.meshes.shell import gmsh_session
@@ -29,18 +29,18 @@ SECTIONS = 48
 MM = 1e3
 
 
-class PlacedSet(NamedTuple):
+class PlacedNutOrBearing(NamedTuple):
     """Parts of one ball nut or bearing for a STEP file, and their axial positions on the shaft."""
 
     #: Parts of the ball nut or bearing.
     scene: Scene
     #: Displacement of its nut or outer ring along z from the position in ``scene`` [m].
-    shift: float
+    nut_displacement: float
     #: Axial positions of the ends of its segment of the shaft [m].
-    ends: tuple[float, float]
+    shaft_segment_ends: tuple[float, float]
 
 
-def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
+def write_step(path: Path, nuts_and_bearings: Sequence[PlacedNutOrBearing]) -> dict[Path, float]:
     """Write shaft, nuts or rings, and balls as STEP files.
 
     Bodies with helical grooves are written without grooves. The flanks of these grooves are surfaces in a second file,
@@ -50,7 +50,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
     ----------
     path : Path
         File of the solid bodies.
-    sets : Sequence[PlacedSet]
+    nuts_and_bearings : Sequence[PlacedSet]
         Parts of each ball nut or bearing.
 
     Returns
@@ -65,7 +65,7 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with _new_gmsh_model() as gmsh:
-        for scene, shift, ends in sets:
+        for scene, shift, ends in nuts_and_bearings:
             body = _add_grooved_ring if scene.track.lead == 0.0 else _add_tube_without_groove
             for radius, centre in _ball_radii_and_centres(scene):
                 gmsh.model.occ.addSphere(*(MM * centre), MM * radius)
@@ -73,11 +73,11 @@ def write_step(path: Path, sets: Sequence[PlacedSet]) -> dict[Path, float]:
             body(gmsh, scene, _nut_face_positions(scene, shift), screw=False)
         gmsh.model.occ.synchronize()
         _write_model(gmsh, path)
-    if all(scene.track.lead == 0.0 for scene, _, _ in sets):
+    if all(scene.track.lead == 0.0 for scene, _, _ in nuts_and_bearings):
         return {path: 0.0}
     grooves, worst = path.with_name(f"{path.stem}-grooves.step"), 0.0
     with _new_gmsh_model() as gmsh:
-        for scene, shift, ends in sets:
+        for scene, shift, ends in nuts_and_bearings:
             for side in range(len(SIDES)):
                 faces = ends if side < 2 else _nut_face_positions(scene, shift)
                 worst = max(worst, _add_helical_flank(gmsh, scene, side, faces, shift if side >= 2 else 0.0))
@@ -110,7 +110,7 @@ def _write_model(gmsh: Any, path: Path) -> None:
 def _ball_radii_and_centres(scene: Scene) -> Iterator[tuple[float, Array]]:
     """Yield the radius [m], with errors, and the centre ``(3,)`` [m] of each ball."""
     layout = ball_layout(scene)
-    yield from zip(draw_specimen(scene, layout).ball_radius.tolist(), layout.centre, strict=True)
+    yield from zip(draw_geometry_with_errors(scene, layout).ball_radii.tolist(), layout.centre, strict=True)
 
 
 def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
@@ -122,7 +122,7 @@ def _nut_face_positions(scene: Scene, shift: float) -> tuple[float, float]:
     return scene.nut.position - half + shift, scene.nut.position + half + shift
 
 
-def _land_and_wall_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
+def _land_and_back_radii(scene: Scene, *, screw: bool) -> tuple[float, float]:
     """Return the radius of the lands, and that of the surface behind the groove: screw's bore or nut's outside [m].
 
     ``screw``: whether they are those of the screw (or inner ring), or of the nut (or outer ring).
@@ -139,7 +139,7 @@ def _add_tube_without_groove(gmsh: Any, scene: Scene, ends: tuple[float, float],
     ``ends``: axial positions of the tube's ends [m]; ``screw``: whether to add the screw (True) or the nut (False).
     """
     occ, (low, high) = gmsh.model.occ, ends
-    inner, outer = sorted(_land_and_wall_radii(scene, screw=screw))
+    inner, outer = sorted(_land_and_back_radii(scene, screw=screw))
     tubes = [(3, occ.addCylinder(0, 0, MM * low, 0, 0, MM * (high - low), MM * r)) for r in (outer, inner)]
     occ.cut(tubes[:1], tubes[1:])
 
@@ -149,7 +149,7 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
 
     ``ends``: axial positions of its two faces [m]; ``screw``: whether to add the inner (True) or outer ring (False).
     """
-    occ, (land, wall), z = gmsh.model.occ, _land_and_wall_radii(scene, screw=screw), scene.nut.position
+    occ, (land, wall), z = gmsh.model.occ, _land_and_back_radii(scene, screw=screw), scene.nut.position
     left, right = (
         _flank_section_coordinates(
             scene, side, np.array([apex_section_angle(scene, side), land_section_angle(scene, side, land)])
@@ -165,7 +165,8 @@ def _add_grooved_ring(gmsh: Any, scene: Scene, ends: tuple[float, float], *, scr
     apex = add_point(R + left[0, 0], z + left[0, 1])
     corners += [apex, add_point(R + right[1, 0], z + right[1, 1]), add_point(land, ends[1]), add_point(wall, ends[1])]
     middles = [
-        add_point(R + x, z + y) for x, y in draw_specimen(scene, ball_layout(scene)).centre[0, list(_flanks_of_body(screw))]
+        add_point(R + x, z + y)
+        for x, y in draw_geometry_with_errors(scene, ball_layout(scene)).groove_centres[0, list(_flanks_of_body(screw))]
     ]
     lines = [occ.addLine(corners[0], corners[1]), occ.addLine(corners[1], corners[2])]
     lines += [occ.addCircleArc(corners[2], middles[0], apex), occ.addCircleArc(apex, middles[1], corners[4])]
@@ -184,15 +185,15 @@ def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
 
     ``side``: flank 0 to 3; ``gamma``: section angles of the points ``(k,)`` [rad].
     """
-    drawn = draw_specimen(scene, ball_layout(scene))
-    (sx, sz), c = SIDE_SIGNS[side], drawn.centre[0, side]
-    return np.asarray(c + drawn.radius[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
+    (sx, sz), c = SIDE_SIGNS[side], drawn.groove_centres[0, side]
+    return np.asarray(c + drawn.groove_radii[side] * np.column_stack([sx * np.cos(gamma), sz * np.sin(gamma)]))
 
 
 def apex_section_angle(scene: Scene, side: int) -> float:
     """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank, at the groove's apex."""
-    drawn = draw_specimen(scene, ball_layout(scene))
-    return asin(-float(drawn.centre[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.radius[side]))
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
+    return asin(-float(drawn.groove_centres[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.groove_radii[side]))
 
 
 def land_section_angle(scene: Scene, side: int, land: float) -> float:
@@ -240,7 +241,7 @@ def _add_helical_flank(gmsh: Any, scene: Scene, side: int, ends: tuple[float, fl
     z [m]. Returns the largest distance [m] between the loft and the exact flank.
     """
     occ, lead = gmsh.model.occ, lead_per_radian(scene.track)
-    land = _land_and_wall_radii(scene, screw=side < 2)[0]
+    land = _land_and_back_radii(scene, screw=side < 2)[0]
     gamma = np.linspace(apex_section_angle(scene, side), land_section_angle(scene, side, land), 3)
     first, last = sorted(scene.track.phase + (z - scene.nut.position - shift) / lead for z in ends)
     wires = []
@@ -311,6 +312,8 @@ def distances_from_flank(scene: Scene, side: int, points: Array, shift: float) -
         at = ball_layout_at_positions(track, azimuth, z0 + lead * (azimuth - track.phase))
         away = points - at.centre
         azimuth = azimuth + np.einsum("ij,ij->i", away, at.tangent) / np.hypot(track.pitch_radius, lead)
-    drawn = draw_specimen(scene, ball_layout(scene))
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     x3, z3 = (np.einsum("ij,ij->i", away, axis) for axis in (at.radial, at.binormal))
-    return np.asarray(np.hypot(x3 - drawn.centre[0, side, 0], z3 - drawn.centre[0, side, 1]) - drawn.radius[side])
+    return np.asarray(
+        np.hypot(x3 - drawn.groove_centres[0, side, 0], z3 - drawn.groove_centres[0, side, 1]) - drawn.groove_radii[side]
+    )

@@ -19,10 +19,10 @@ from skfem import Mesh
 
 from rollbench.meshes.arrays import Array, Index
 from rollbench.meshes.ball_body import contact_frame_vectors, triangulate_sphere
-from rollbench.meshes.fem import MeshedBody, Quality, improve_curved_cells, nodes_on_boundaries
+from rollbench.meshes.fem import MeshedBody, MeshQuality, improve_curved_cells, nodes_on_boundaries
 from rollbench.meshes.groove import (
-    BodySpec,
-    Groove,
+    GrooveCrossSection,
+    GroovedBodySpec,
     circle_in_plane,
     circle_in_space,
     line_along_first_axis,
@@ -37,20 +37,20 @@ from rollbench.meshes.shell import (
     BEND,
     POOREST,
     WALL,
+    ClosedSurfaceMesh,
     DividedCurve,
     Placing,
-    Shell,
     Side,
-    fill_shell,
-    mesh_with_smallest_fault,
+    best_mesh_of_attempts,
+    mesh_inside_closed_surface,
 )
-from rollbench.meshes.sockets import SocketSize, points_in_socket
+from rollbench.meshes.sockets import RefinementBoxSize, points_in_refinement_box
 
 #: Azimuths [rad] of the two cut surfaces of half a ring.
 CUT = (0.0, np.pi)
 
 
-def use_requested_element_sizes(shell: Shell) -> None:
+def use_requested_element_sizes(shell: ClosedSurfaceMesh) -> None:
     """Make gmsh use the requested element sizes inside faces, instead of extending the sizes on a face's boundary."""
     shell.gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
 
@@ -65,7 +65,7 @@ class HalfRingSurface:
     The section has seven edges, numbered from 0: the bore or outside, high end, land, flank, flank, land, low end.
     """
 
-    def __init__(self, shell: Shell, m: GrooveMap, spec: BodySpec, share: float = 1.0) -> None:
+    def __init__(self, shell: ClosedSurfaceMesh, m: GrooveMap, spec: GroovedBodySpec, share: float = 1.0) -> None:
         """Build the surface: divide the curves between the faces of the half ring into edges, and triangulate the faces.
 
         Parameters
@@ -74,7 +74,7 @@ class HalfRingSurface:
             Surface mesh to which the half ring is added.
         m : GrooveMap
             Groove surfaces of the track.
-        spec : BodySpec
+        spec : GroovedBodySpec
             Dimensions of the ring.
         share : float, default 1.0
             Factor on the default lengths of the longest edges on curved faces.
@@ -84,31 +84,31 @@ class HalfRingSurface:
         ValueError
             The body is a screw or nut, it has no bore, its groove has one arc, or its groove leaves no land or wall.
         """
-        if m.rg or spec.r_in <= 0.0 or m.has_single_arc:
+        if m.rg or spec.inner_radius <= 0.0 or m.has_single_arc:
             raise ValueError("only a bearing ring with a bore and a groove of two arcs can be cut in halves")
-        self.shell, self.groove, self.spec = shell, Groove.of(m, spec), spec
+        self.shell, self.groove, self.spec = shell, GrooveCrossSection.from_body(m, spec), spec
         use_requested_element_sizes(shell)
         g, line, (low, high) = self.groove, m.z0, (spec.z_low, spec.z_high)
-        self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.coarse)
-        self.land_limit = share * BEND[1] * g.land
-        self.behind_limit = min(share * BEND[1] * g.behind, max(WALL * g.wall, shell.fine))
-        r, zeta = g.profile(g.sides[0], np.array([g.apex]))
+        self.flank_limit = share * min(BEND[0] * float(m.radius[g.sides[0]]), FLANK * spec.cell_size_far_away)
+        self.land_limit = share * BEND[1] * g.land_radius
+        self.behind_limit = min(share * BEND[1] * g.back_radius, max(WALL * g.wall_thickness, shell.fine))
+        r, zeta = g.profile_points(g.sides[0], np.array([g.apex_angle]))
         corners = np.array(
             [
-                (g.behind, low),
-                (g.behind, high),
-                (g.land, high),
-                (g.land, line + g.half),
+                (g.back_radius, low),
+                (g.back_radius, high),
+                (g.land_radius, high),
+                (g.land_radius, line + g.opening_half_width),
                 (float(r[0]), line + float(zeta[0])),
-                (g.land, line - g.half),
-                (g.land, low),
+                (g.land_radius, line - g.opening_half_width),
+                (g.land_radius, low),
             ]
         )
         limits = [self.behind_limit, self.behind_limit, *[self.land_limit] * 5]
         limits[3:6] = [min(self.land_limit, self.flank_limit)] * 3
-        nodes = [shell.nodes(points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
+        nodes = [shell.add_nodes(points_from_cylindrical(corners[:, 0], phi, corners[:, 1])) for phi in CUT]
         self.arcs = [
-            shell.curve(circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k])))
+            shell.add_divided_curve(circle_in_space(*corners[k]), *CUT, limits[k], (int(nodes[0][k]), int(nodes[1][k])))
             for k in range(7)
         ]
         self.corners, self.line = corners, line
@@ -125,27 +125,29 @@ class HalfRingSurface:
         ends = int(nodes[k]), int(nodes[(k + 1) % 7])
         if k in (3, 4):
             begin, end = self._section_angle_range(k)
-            return self.shell.curve(lambda t: self._flank(k, t, phi), begin, end, self.flank_limit, ends)
+            return self.shell.add_divided_curve(
+                lambda t: self._points_on_flank(k, t, phi), begin, end, self.flank_limit, ends
+            )
         limit = self.behind_limit if k == 0 else self.land_limit
 
         def space(t: Array) -> Array:
             r, z = self._straight_edge_coordinates(k, t)
             return points_from_cylindrical(r, phi, z)
 
-        return self.shell.curve(space, 0.0, 1.0, limit, ends)
+        return self.shell.add_divided_curve(space, 0.0, 1.0, limit, ends)
 
     def _section_angle_range(self, k: int) -> tuple[float, float]:
         """Return the section angles [rad] at which edge ``k`` of the cross-section, a flank (3 or 4), begins and ends."""
         g = self.groove
-        return (g.edge, g.apex) if k == 3 else (g.apex, g.edge)
+        return (g.edge_angle, g.apex_angle) if k == 3 else (g.apex_angle, g.edge_angle)
 
     def _flank_of_edge(self, k: int) -> int:
         """Return the number of the flank (0 to 3) that edge ``k`` (3 or 4) of the cross-section belongs to."""
         return self.groove.sides[1 if k == 3 else 0]
 
-    def _flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
+    def _points_on_flank(self, k: int, gamma: Array, phi: float | Array) -> Array:
         """Return points ``(n, 3)`` [m] on a flank at section angles ``gamma`` and azimuths ``phi`` [rad]; ``k``: 3 or 4."""
-        r, zeta = self.groove.profile(self._flank_of_edge(k), gamma)
+        r, zeta = self.groove.profile_points(self._flank_of_edge(k), gamma)
         return points_from_cylindrical(r, phi, self.line + zeta)
 
     def _straight_edge_coordinates(self, k: int, t: Array) -> tuple[Array, Array]:
@@ -163,11 +165,11 @@ class HalfRingSurface:
         positions as fractions of its length ``(n,)``.
         """
         if k in (3, 4):
-            r, zeta = self.groove.profile(self._flank_of_edge(k), t)
+            r, zeta = self.groove.profile_points(self._flank_of_edge(k), t)
             return np.stack([r, self.line + zeta], axis=1)
         return np.stack(self._straight_edge_coordinates(k, t), axis=1)
 
-    def _around(self, k: int, begin: float, end: float) -> list[Side]:
+    def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[Side]:
         """Return the four sides of the face that edge k of the cross-section generates about the axis.
 
         Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
@@ -180,22 +182,22 @@ class HalfRingSurface:
 
         first, last = (cut[k] for cut in self.cuts)
         return [
-            self.arcs[k].on(line_along_first_axis(begin)),
-            last.on(lambda t: at(t, CUT[1])),
-            self.arcs[(k + 1) % 7].back(line_along_first_axis(end)),
-            first.back(lambda t: at(t, CUT[0])),
+            self.arcs[k].as_side_of_face(line_along_first_axis(begin)),
+            last.as_side_of_face(lambda t: at(t, CUT[1])),
+            self.arcs[(k + 1) % 7].as_reversed_side_of_face(line_along_first_axis(end)),
+            first.as_reversed_side_of_face(lambda t: at(t, CUT[0])),
         ]
 
     def _triangulate_faces(self) -> None:
         """Triangulate the curved faces, the two flat ends, and the two cut surfaces of the half ring."""
-        outer = self.spec.outer
+        outer = self.spec.groove_outside
         for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
             limit = self.behind_limit if k == 0 else self.land_limit
             self._triangulate_swept_face(name, k, (begin, end), np.array([r, 1.0]), _cylinder_point_map(r), limit)
         for k in (3, 4):
             side = self._flank_of_edge(k)
-            scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
+            scale = np.array([self.corners[4, 0], float(self.groove.groove_map.radius[side])])
             self._triangulate_swept_face(
                 f"flank {SIDES[side]}",
                 k,
@@ -205,19 +207,19 @@ class HalfRingSurface:
                 self.flank_limit,
             )
         for k, name in ((1, "high end"), (6, "low end")):
-            self._end(name, k)
+            self._triangulate_end_face(name, k)
         for phi, cut in zip(CUT, self.cuts, strict=True):
-            loop = [cut[k].on(partial(self._edge_coordinates, k)) for k in range(7)]
-            self.shell.face("cut", [loop], _axial_plane_point_map(phi), np.inf)
+            loop = [cut[k].as_side_of_face(partial(self._edge_coordinates, k)) for k in range(7)]
+            self.shell.add_face("cut", [loop], _axial_plane_point_map(phi), np.inf)
 
     def _flank_point_map(self, k: int, scale: Array) -> Placing:
         """Return the function that maps plane coordinates of the flank of edge k to points ``(n, 3)`` [m].
 
         The plane coordinates are (azimuth, section angle), multiplied by the lengths ``scale`` [m].
         """
-        return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
+        return lambda x: self._points_on_flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
 
-    def _end(self, name: str, k: int) -> None:
+    def _triangulate_end_face(self, name: str, k: int) -> None:
         """Triangulate the flat end face that edge ``k`` (1 or 6) of the cross-section generates; ``name``: its boundary."""
         first, last = (cut[k] for cut in self.cuts)
 
@@ -225,12 +227,12 @@ class HalfRingSurface:
             return lambda t: np.stack([sign * self._straight_edge_coordinates(k, t)[0], np.zeros(t.size)], axis=1)
 
         loop = [
-            self.arcs[k].on(circle_in_plane(float(self.corners[k, 0]))),
-            last.on(end_edge(-1.0)),
-            self.arcs[(k + 1) % 7].back(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
-            first.back(end_edge(1.0)),
+            self.arcs[k].as_side_of_face(circle_in_plane(float(self.corners[k, 0]))),
+            last.as_side_of_face(end_edge(-1.0)),
+            self.arcs[(k + 1) % 7].as_reversed_side_of_face(circle_in_plane(float(self.corners[(k + 1) % 7, 0]))),
+            first.as_reversed_side_of_face(end_edge(1.0)),
         ]
-        self.shell.face(name, [loop], point_map_at_z(float(self.corners[k, 1])), np.inf)
+        self.shell.add_face(name, [loop], point_map_at_z(float(self.corners[k, 1])), np.inf)
 
     def _triangulate_swept_face(
         self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
@@ -241,8 +243,8 @@ class HalfRingSurface:
         ``scale``: factors that convert the plane coordinates (azimuth, coordinate along the edge) to lengths; ``space``:
         function that maps these lengths ``(n, 2)`` to points ``(n, 3)`` [m]; ``limit``: length of the longest edge [m].
         """
-        loop = [(n, x * scale) for n, x in self._around(k, *ends)]
-        self.shell.face(name, [loop], space, limit)
+        loop = [(n, x * scale) for n, x in self._sides_of_swept_face(k, *ends)]
+        self.shell.add_face(name, [loop], space, limit)
 
 
 def _cylinder_point_map(r: float) -> Placing:
@@ -255,7 +257,7 @@ def _axial_plane_point_map(phi: float) -> Placing:
     return lambda x: points_from_cylindrical(x[:, 0], phi, x[:, 1])
 
 
-def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sign: float) -> None:
+def triangulate_half_sphere(radius: float, shell: ClosedSurfaceMesh, edge_factor: float, sign: float) -> None:
     """Triangulate the surface of half a ball about the origin, cut at the plane y = 0: boundaries "sphere" and "cut".
 
     Parameters
@@ -272,7 +274,9 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
     use_requested_element_sizes(shell)
     limit = edge_factor * BEND[1] * radius
     middle, pole = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([0.0, -sign, 0.0])
-    equator = shell.curve(lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
+    equator = shell.add_divided_curve(
+        lambda t: radius * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit
+    )
 
     def space(at: Array) -> Array:
         square = np.sum((at / radius) ** 2, axis=1)[:, None]
@@ -282,40 +286,43 @@ def triangulate_half_sphere(radius: float, shell: Shell, edge_factor: float, sig
         return np.asarray(0.5 * (1.0 + np.sum((at / radius) ** 2, axis=1)))
 
     rim = [[(equator.nodes, shell.points[equator.nodes] @ middle.T)]]  # the projection keeps the equator
-    shell.face("sphere", rim, space, limit, stretch)
-    shell.face("cut", rim, lambda at: at @ middle, np.inf)
+    shell.add_face("sphere", rim, space, limit, stretch)
+    shell.add_face("cut", rim, lambda at: at @ middle, np.inf)
 
 
 @dataclass(frozen=True)
-class Refinement:
+class ElementSizesNearPoints:
     """Edge lengths of a mesh: fine at given points, and growing linearly with the distance from the nearest of them."""
 
     #: Points around which the mesh is fine ``(k, 3)`` [m].
-    near: Array
+    fine_points: Array
     #: Edge length at the points [m].
-    fine: float
+    edge_length_at_points: float
     #: Growth of the edge length per unit of distance.
-    growth: float
+    growth_per_distance: float
     #: Largest edge length [m].
-    coarse: float
+    largest_edge_length: float
 
-    def size(self, share: float = 1.0) -> Placing:
+    def edge_length_function(self, share: float = 1.0) -> Placing:
         """Return the function for the edge lengths ``(n,)`` [m] at points ``(n, 3)`` [m], multiplied by ``share``."""
-        tree = cKDTree(self.near)
-        return lambda x: share * np.minimum(self.fine + self.growth * tree.query(x)[0], self.coarse)
+        tree = cKDTree(self.fine_points)
+        return lambda x: (
+            share
+            * np.minimum(self.edge_length_at_points + self.growth_per_distance * tree.query(x)[0], self.largest_edge_length)
+        )
 
 
 @dataclass(frozen=True)
-class BodyMeshForExport(MeshedBody):
+class ExportedBodyMesh(MeshedBody):
     """Mesh of a whole or half body for another FE program, with named boundaries."""
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
     #: Number of cells and nodes, and the scaled Jacobians of the cells.
-    quality: Quality
+    quality: MeshQuality
 
     @cached_property
-    def named(self) -> dict[str, Index]:
+    def nodes_of_boundaries(self) -> dict[str, Index]:
         """Numbers of the nodes on each boundary, by the boundary's name."""
         return {name: nodes_on_boundaries(self.mesh, name) for name in sorted(self.mesh.boundaries)}
 
@@ -368,7 +375,7 @@ def points_on_groove(m: GrooveMap, ball_position: tuple[float, float, int], dist
     """
     radius = float(m.radius[ball_position[2]])
     xi = np.stack([distances[:, 0] / radius, np.zeros(len(distances)), distances[:, 1] / m.R], axis=1)
-    return points_in_socket(m, SocketSize(1.0, radius, 1.0), ball_position, xi)
+    return points_in_refinement_box(m, RefinementBoxSize(1.0, radius, 1.0), ball_position, xi)
 
 
 def points_on_ball_surface(m: GrooveMap, side: int, radius: float, distances: Array) -> Array:
@@ -417,14 +424,14 @@ def move_to_ball_position(m: GrooveMap, ball_position: tuple[float, float], poin
     return np.asarray(out @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.0, 0.0, ball_position[1]]))
 
 
-def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> BodyMeshForExport:
+def mesh_whole_body(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
     """Mesh a whole screw, nut or ring for another FE program; its boundaries have the names of `meshes.grooved_body`.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    spec : BodySpec
+    spec : GroovedBodySpec
         Dimensions. Its refinement boxes are used only to find where a groove ends inside the body; its element sizes are
         not used.
     refinement : Refinement
@@ -432,7 +439,7 @@ def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Bod
 
     Returns
     -------
-    BodyMeshForExport
+    ExportedBodyMesh
         The mesh; no refinement boxes are left free in it.
 
     Raises
@@ -440,12 +447,12 @@ def mesh_whole_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Bod
     ValueError
         The groove leaves no land or wall, or no attempt of gmsh gives a good mesh.
     """
-    plain, groove = replace(spec, sockets=()), Groove.of(m, spec)
-    name = "screw" if spec.outer else "nut"
+    plain, groove = replace(spec, contact_positions=()), GrooveCrossSection.from_body(m, spec)
+    name = "screw" if spec.groove_outside else "nut"
     return _mesh_inside_surface(name, lambda shell, share: GroovedBodySurface(shell, m, plain, share, groove), refinement)
 
 
-def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> BodyMeshForExport:
+def mesh_whole_ball(m: GrooveMap, radius: float, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
     """Mesh a whole ball, with its centre at the origin, for another FE program.
 
     Parameters
@@ -459,7 +466,7 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> Body
 
     Returns
     -------
-    BodyMeshForExport
+    ExportedBodyMesh
         The mesh.
 
     Raises
@@ -471,21 +478,21 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> Body
     return _mesh_inside_surface("ball", lambda shell, share: triangulate_sphere(ball_map, shell, [], share), refinement)
 
 
-def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> BodyMeshForExport:
+def mesh_half_ring(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSizesNearPoints) -> ExportedBodyMesh:
     """Mesh the half of a bearing ring at y >= 0 for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
-    spec : BodySpec
+    spec : GroovedBodySpec
         Dimensions of the ring.
     refinement : Refinement
         Element sizes.
 
     Returns
     -------
-    BodyMeshForExport
+    ExportedBodyMesh
         The mesh.
 
     Raises
@@ -493,11 +500,11 @@ def mesh_half_ring(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> Body
     ValueError
         As for `mesh_whole_body`; and where the body is a screw or nut, or a ring without bore.
     """
-    name = "inner ring" if spec.outer else "outer ring"
+    name = "inner ring" if spec.groove_outside else "outer ring"
     return _mesh_inside_surface(name, lambda shell, share: HalfRingSurface(shell, m, spec, share), refinement)
 
 
-def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMeshForExport:
+def mesh_half_ball(radius: float, refinement: ElementSizesNearPoints, sign: float) -> ExportedBodyMesh:
     """Mesh half a ball with its centre at the origin for another FE program; the plane y = 0 is its boundary "cut".
 
     Parameters
@@ -511,7 +518,7 @@ def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMe
 
     Returns
     -------
-    BodyMeshForExport
+    ExportedBodyMesh
         The mesh.
 
     Raises
@@ -524,19 +531,25 @@ def mesh_half_ball(radius: float, refinement: Refinement, sign: float) -> BodyMe
     )
 
 
-def _mesh_inside_surface(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> BodyMeshForExport:
+def _mesh_inside_surface(
+    name: str, surface: Callable[[ClosedSurfaceMesh, float], object], refinement: ElementSizesNearPoints
+) -> ExportedBodyMesh:
     """Mesh the body inside a closed surface for another FE program; edges that would invert cells are straightened.
 
     ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `Shell`, with a
     factor on the element sizes; ``refinement``: element sizes.
     """
 
-    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BodyMeshForExport, float]:
-        shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)
+    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[ExportedBodyMesh, float]:
+        shell = ClosedSurfaceMesh(
+            gmsh, refinement.edge_length_function(share), share * refinement.edge_length_at_points, plane
+        )
         surface(shell, share)
-        filled = fill_shell(shell, volume)
+        filled = mesh_inside_closed_surface(shell, volume)
         free = np.zeros(0, dtype=np.int64)
-        mesh, moved, quality = improve_curved_cells(filled.named(shell), name, filled.on(shell.tris()), free)
-        return BodyMeshForExport(mesh, quality), moved + max(0.0, POOREST - quality.smallest)
+        mesh, moved, quality = improve_curved_cells(
+            filled.with_named_boundaries(shell), name, filled.nodes_of_triangles(shell.triangles_on_boundary()), free
+        )
+        return ExportedBodyMesh(mesh, quality), moved + max(0.0, POOREST - quality.smallest_jacobian)
 
-    return mesh_with_smallest_fault(name, attempt)
+    return best_mesh_of_attempts(name, attempt)

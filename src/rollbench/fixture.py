@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rollbench.compare.gate.verdict import Verdict
 
 
-class Rollbench:
+class RollbenchFixture:
     """Value of the pytest fixture ``rollbench``, by which a user's test judges a scene against its 3D reference.
 
     Parameters
@@ -21,9 +21,9 @@ class Rollbench:
         Folder of the test file, to which paths are relative.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, test_folder: Path) -> None:
         """Store the folder of the test file."""
-        self.root = root
+        self.root = test_folder
 
     def check(
         self,
@@ -61,7 +61,7 @@ class Rollbench:
         """
         from rollbench.compare.errors import InputError
         from rollbench.compare.gate.user import check_scenes, gate_request
-        from rollbench.compare.reference.jobs import Engine
+        from rollbench.compare.reference.jobs import ComputingSettings
         from rollbench.compare.scenes import catalogue
         from rollbench.meshes.cache import default_cache_folder
 
@@ -81,7 +81,9 @@ class Rollbench:
             )
             name = str(scene)
             path = name if name in catalogue.scene_names() else str(self.root / scene)
-            verdicts = check_scenes([catalogue.scene(path)], request, Engine(cache=default_cache_folder()), lambda _: None)
+            verdicts = check_scenes(
+                [catalogue.scene(path)], request, ComputingSettings(cache_folder=default_cache_folder()), lambda _: None
+            )
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
         bad = [v.line() for v in verdicts if v.word != "pass"]
@@ -91,9 +93,9 @@ class Rollbench:
 
 
 @pytest.fixture
-def rollbench(request: pytest.FixtureRequest) -> Rollbench:
+def rollbench(request: pytest.FixtureRequest) -> RollbenchFixture:
     """Return an object whose method ``check`` judges a scene: ``rollbench.check("my.toml", max_error=7)``.
 
     Paths of scene files are relative to the test file.
     """
-    return Rollbench(request.path.parent)
+    return RollbenchFixture(request.path.parent)

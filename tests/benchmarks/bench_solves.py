@@ -10,19 +10,19 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_with_inferred_oversize
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.studies.members.ensemble import solve_random_specimens
-from rollbench.compare.studies.members.members import solve_specimens_of_scene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.studies.members.ensemble import solve_random_draws
+from rollbench.compare.studies.members.members import solve_random_draws_of_scene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS
-from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.hifi.rolling.balls import Choices, half_space_contact_under_unit_load, solve_rolling
-from rollbench.lowfi.as_source import solve_by_source_equations
-from rollbench.lowfi.friction.screw.run import solve_pair
+from rollbench.hifi.rolling.balls import RollingSettings, solve_half_space_contact_under_1_N, solve_rolling
+from rollbench.lowfi.as_source import solve_by_lin_equations
+from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.random_errors.chain import solve_ensemble
@@ -35,7 +35,7 @@ from rollbench.meshes.cache import without_geometry_cache
 from rollbench.meshes.parts import Friction
 
 CASE = catalogue.scene("lin-case1")
-COMPILED = Options(engine="compiled", discretisation=False)
+COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
 
 
 def test_solve_by_lin_geometry_unknown(benchmark):
@@ -53,7 +53,7 @@ def test_solve_by_lin_interpreted(benchmark):
 
 
 def test_solve_by_the_source_s_newton(benchmark):
-    benchmark(lambda: solve_by_source_equations(CASE, tolerance=1e-10))
+    benchmark(lambda: solve_by_lin_equations(CASE, tolerance=1e-10))
 
 
 def test_solve_refined_bodies_kept(benchmark):
@@ -76,14 +76,14 @@ def test_growth_with_balls(benchmark, model, balls):
 @pytest.mark.parametrize("name", ["lin-random", "lin-case3-tolerances"])
 def test_thousand_members_by_lin(benchmark, name):
     scene = catalogue.scene(name)
-    solve_random_specimens(scene, 10)
-    benchmark.pedantic(lambda: solve_random_specimens(scene, 1000), rounds=3)
+    solve_random_draws(scene, 10)
+    benchmark.pedantic(lambda: solve_random_draws(scene, 1000), rounds=3)
 
 
 def test_hundred_members_refined(benchmark):
     scene = catalogue.scene("lin-random")
-    solve_specimens_of_scene(scene, "refined", 10)
-    benchmark.pedantic(lambda: solve_specimens_of_scene(scene, "refined", 100), rounds=3)
+    solve_random_draws_of_scene(scene, "refined", 10)
+    benchmark.pedantic(lambda: solve_random_draws_of_scene(scene, "refined", 100), rounds=3)
 
 
 def row_of_nuts(number):
@@ -115,7 +115,7 @@ def test_nuts_on_one_shaft(benchmark, number):
 
 @pytest.mark.parametrize("varied", ["errors.balls.oversize=0 um:7 um", "nut.outer_diameter=46 mm:60 mm"])
 def test_sample_of_a_sweep(benchmark, varied):
-    text, (vary,), numbers = catalogue.shipped_scene_text("lin-pitch"), read_vary([varied]), count(1)
+    text, (vary,), numbers = catalogue.shipped_scene_text("lin-pitch"), read_varied_keys([varied]), count(1)
 
     def sample():
         solve_sample(text, "lin-pitch.toml", [vary], [vary.at((0.618 * next(numbers)) % 1.0)], "refined", "compiled")
@@ -133,20 +133,22 @@ def test_friction_of_a_whole_screw(benchmark):
 
 def test_pair_of_balls_of_a_screw(benchmark):
     pair = screw_pair_with_inferred_oversize()
-    benchmark(lambda: solve_pair(pair))
+    benchmark(lambda: solve_pair_of_screw_balls(pair))
 
 
 @pytest.mark.parametrize("name", ["lin-pair-a", "lin-screw-pair-a-inferred"])
 def test_rolling_contact_in_3d(benchmark, name):
-    whole = prepare_rolling_case(catalogue.shipped_scene_of_kind(name, KindScene), Choices(LEVELS[1])).touching
-    solve_rolling(whole, Choices(LEVELS[1]))
+    whole = prepare_rolling_case(catalogue.shipped_scene_of_kind(name, FrictionScene), RollingSettings(LEVELS[1])).touching
+    solve_rolling(whole, RollingSettings(LEVELS[1]))
     benchmark.pedantic(
-        lambda: solve_rolling(whole, Choices(LEVELS[1])), setup=half_space_contact_under_unit_load.cache_clear, rounds=3
+        lambda: solve_rolling(whole, RollingSettings(LEVELS[1])),
+        setup=solve_half_space_contact_under_1_N.cache_clear,
+        rounds=3,
     )
 
 
 def test_screws_with_random_errors(benchmark):
-    chain = liu.calibrated_model("constant")
+    chain = liu.calibrated_axial_model("constant")
     solve_ensemble(chain, 2e-6, [1000.0], 10)
     found = benchmark.pedantic(lambda: solve_ensemble(chain, 2e-6, [1000.0], 2000), rounds=3)
     assert not found.failed

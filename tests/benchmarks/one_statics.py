@@ -12,13 +12,13 @@ from time import process_time
 import numpy as np
 from tests.axes import TURNING, assembly, bearing, nut
 
-from rollbench.compare.scenes.catalogue import names_of_single_set_scenes, shipped_scene
-from rollbench.compare.studies.members.ensemble import solve_random_specimens
+from rollbench.compare.scenes.catalogue import names_of_single_nut_scenes, shipped_scene
+from rollbench.compare.studies.members.ensemble import solve_random_draws
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, load_kernel_package
-from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.elastic import ElasticMembers, solve_elastic
+from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, solve_elastic
 from rollbench.lowfi.statics.response import clear_compliance_caches
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.axis import Housing
@@ -52,7 +52,7 @@ def by_forces(scene):
     """Loads (N, 4) [N] by the force formulation."""
     if isinstance(scene, Scene):
         return solve_elastic(scene, backend=BEAM, engine="compiled").load
-    return loads_of(solve_refined(scene, backend=BEAM, engine="compiled"))
+    return loads_of(solve_assembly_with_elastic_bodies(scene, backend=BEAM, engine="compiled"))
 
 
 def loads_of(result):
@@ -62,12 +62,12 @@ def loads_of(result):
 
 def members_by_rows(scene):
     """Loads (M, N, 4) [N]."""
-    return solve_random_specimens(scene, MEMBERS).loads
+    return solve_random_draws(scene, MEMBERS).loads
 
 
 def members_by_forces(scene):
     """Loads (M, N, 4) [N]."""
-    return ElasticMembers(scene, BEAM, load_kernel_package(STATICS, compiled=True)).solve(0, MEMBERS)[0]
+    return SpecimensWithSharedEquations(scene, BEAM, load_kernel_package(STATICS, compiled=True)).solve(0, MEMBERS)[0]
 
 
 def least(functions, scene, runs):
@@ -107,7 +107,7 @@ def main():
     line("six sets", one, six_sets())
     line("1,000 members", members, shipped_scene("lin-random"), 3)
     if "--scenes" in sys.argv:
-        for name in names_of_single_set_scenes():
+        for name in names_of_single_nut_scenes():
             scene = shipped_scene(name)
             print(f"{name:34} {apart(by_rows(scene), by_forces(scene)):10.1e}")
 

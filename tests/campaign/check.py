@@ -11,9 +11,9 @@ from scipy.optimize import linprog, minimize
 
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.one_arc import flanks_with_contacts
+from rollbench.meshes.one_arc import flanks_of_single_arc_contacts
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
@@ -142,9 +142,9 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     return ""
 
 
-def by_law(drawn: Specimen, hertz_C: Array, away: Array) -> Array:
+def by_law(drawn: GeometryWithErrors, hertz_C: Array, away: Array) -> Array:
     """Loads ``(n, 4)`` [N] by Hertz' law of balls that stand ``away`` (n, 4, 2) [m] from their flanks' centres."""
-    approach = drawn.ball_radius[:, None] - drawn.radius + np.hypot(away[..., 0], away[..., 1])
+    approach = drawn.ball_radii[:, None] - drawn.groove_radii + np.hypot(away[..., 0], away[..., 1])
     return np.asarray((np.maximum(approach, 0.0) / hertz_C) ** 1.5)
 
 
@@ -154,30 +154,30 @@ def off_the_law(scene: Scene, result: StaticResult) -> str:
     choices = scene.ingredients
     if choices.arm == "nominal" or (choices.screw != "rigid" and choices.partition != "nodal"):
         return ""
-    drawn, (centre, axes) = draw_specimen(scene, ball_layout(scene)), frames(scene)
-    if drawn.profile.shape[1] or float(result.load.max()) <= nothing(result):
+    drawn, (centre, axes) = draw_geometry_with_errors(scene, ball_layout(scene)), frames(scene)
+    if drawn.profile_coefficients.shape[1] or float(result.load.max()) <= nothing(result):
         return ""
     z, u = result.centreline_z, result.centreline
     slope, beta = np.arctan2(scene.track.lead, 2.0 * np.pi * scene.track.pitch_radius), scene.track.contact_angle
     law, furthest = np.full(result.load.shape, np.inf), 0.0
     for nearest in (0, 1):  # the station next to the contact, or the second one, where nodes so close are one
-        w = result.centre_shift[:, None, :] - drawn.centre
+        w = result.centre_shift[:, None, :] - drawn.groove_centres
         for s in (0, 1):
             rise = 0.0 if choices.arm == "ball" else scene.balls.radius * np.sin(beta) * np.cos(slope) * WAYS[s, 1]
             apart = np.abs(z[None, :] - centre[:, 2:] - rise)
             first, station = np.argsort(apart, axis=1)[:, [0, nearest]].T
             station = np.where(np.take_along_axis(apart, station[:, None], axis=1)[:, 0] > ONE_NODE, first, station)
-            from_axis = centre + np.einsum("na,nak->nk", drawn.centre[:, s], axes)
+            from_axis = centre + np.einsum("na,nak->nk", drawn.groove_centres[:, s], axes)
             from_axis[:, 2] -= z[station]
             moved = u[station, :3] + np.cross(u[station, 3:], from_axis)
             furthest = max(furthest, float(np.abs(moved).max()))
             w[:, s] -= np.einsum("nak,nk->na", axes, moved)
         here = by_law(drawn, result.hertz_C, w)
         law = np.where(np.abs(here - result.load) < np.abs(law - result.load), here, law)
-    if sides := flanks_with_contacts(scene):  # one contact of a ball with either groove
+    if sides := flanks_of_single_arc_contacts(scene):  # one contact of a ball with either groove
         law[:, [s for s in range(4) if s not in sides]] = 0.0
     stiff = 1.5 * np.cbrt(np.maximum(law, result.load)) / result.hertz_C
-    allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.radius) * stiff)
+    allowed = np.maximum(EXACT * float(result.load.max()), DIGITS * (furthest + drawn.groove_radii) * stiff)
     allowed[result.load == 0.0] = np.maximum(allowed[result.load == 0.0], nothing(result))
     off = np.abs(law - result.load) / allowed
     ball, side = (int(k) for k in np.unravel_index(int(off.argmax()), off.shape))
@@ -237,12 +237,12 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     apply: a rigid screw with loads and without a free motion (which the model pins), all supports at zero, no uneven
     flanks, up to 40 balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
-    drawn = draw_specimen(scene, ball_layout(scene))
-    few = len(drawn.ball_radius) <= 40
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
+    few = len(drawn.ball_radii) <= 40
     if (
         scene.ingredients.screw != "rigid"
         or moved
-        or drawn.profile.shape[1]
+        or drawn.profile_coefficients.shape[1]
         or not few
         or scene.ingredients.arm == "nominal"
         or float(result.load.max()) <= nothing(result)
@@ -254,7 +254,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     _, axes = frames(scene)
     centre, arm = ball_layout(scene).centre - np.array([0.0, 0.0, scene.nut.position]), scene.track.pitch_radius
     N, k, unit = len(centre), free.shape[1], 1e-6
-    C, groove = result.hertz_C, drawn.centre
+    C, groove = result.hertz_C, drawn.groove_centres
     point = centre[:, None, :] + np.einsum("nsa,nak->nsk", groove, axes)
     rows = np.zeros((N, 4, 2, k))
     for s in (0, 1):
@@ -265,7 +265,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         a, p = unit * x[:k], unit * x[k:].reshape(N, 2)
         w = -groove + p[:, None, :] - rows @ a
         size = np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-15)
-        delta = np.maximum(drawn.ball_radius[:, None] - (drawn.radius - size), 0.0)
+        delta = np.maximum(drawn.ball_radii[:, None] - (drawn.groove_radii - size), 0.0)
         force = (delta / C) ** 1.5
         push = force[..., None] * w / size[..., None]
         slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])

@@ -19,7 +19,7 @@ from rollbench.lowfi.rollers import TaperedBearing
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, diagonal_stiffness
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.section import contact_force_positions, screw_section, tube_section
@@ -192,13 +192,13 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
     if found is None or not isinstance(scene, Scene):
         return "", 0.0
     layout = ball_layout(scene)
-    drawn, (centre, axes) = draw_specimen(scene, layout, result.member), check.frames(scene)
+    drawn, (centre, axes) = draw_geometry_with_errors(scene, layout, result.member), check.frames(scene)
     stations = contact_force_positions(scene, layout)
     z, q = result.centreline_z, result.centreline
     bodies, at = {h.name: h.motion for h in result.housings}, {h.name: h.at for h in assembly.housings}
-    w, furthest = found.centre_shift[:, None, :] - drawn.centre, 0.0
+    w, furthest = found.centre_shift[:, None, :] - drawn.groove_centres, 0.0
     for side in range(4):
-        point = centre + np.einsum("na,nak->nk", drawn.centre[:, side], axes)
+        point = centre + np.einsum("na,nak->nk", drawn.groove_centres[:, side], axes)
         name = s.of.carrier if side < 2 else s.of.housing
         if name is not None:
             moved = carried(point - along(at[name]), bodies.get(name, np.zeros(6)))
@@ -214,7 +214,7 @@ def _law(assembly: Assembly, result: AxisResult, s: SetResult) -> tuple[str, flo
     law = check.by_law(drawn, found.hertz_C, w)
     law[:, [k for k in range(4) if k not in SIDES_OF[s.of.thrust]]] = 0.0
     stiff = 1.5 * np.cbrt(np.maximum(law, found.load)) / found.hertz_C
-    none, noise = check.nothing(found), check.DIGITS * (furthest + drawn.radius) * stiff
+    none, noise = check.nothing(found), check.DIGITS * (furthest + drawn.groove_radii) * stiff
     net = np.linalg.norm(check.forces(scene, found).sum(axis=1), axis=1)
     size, worst = size_of(assembly, result), int(net.argmax())
     if net[worst] > max(check.EXACT * size, none) + float(noise[worst].sum()):

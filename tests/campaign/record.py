@@ -12,7 +12,7 @@ from tests.campaign.scenes import Campaign, Part, Progress
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import one_line
-from rollbench.compare.studies.extremes import Record, read_campaigns
+from rollbench.compare.studies.extremes import Record, read_campaign_records
 
 
 def run_campaign(what: Campaign, progress: Progress = lambda *_: None, kept: Part | None = None) -> Record:
@@ -52,5 +52,5 @@ def lines(found: Record) -> list[str]:
 
 def text(found: Record, path: Path) -> str:
     """Text of a file of records, one for each command, with this one added to what ``path`` holds."""
-    others = [r for r in read_campaigns(path) if r["command"] != found["command"]]
+    others = [r for r in read_campaign_records(path) if r["command"] != found["command"]]
     return json.dumps([*others, found], indent=1, ensure_ascii=False) + "\n"

@@ -19,7 +19,7 @@ from tests.campaign.draw_axes import axis_text
 
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError, SceneError
-from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.provenance import sources_hash
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies.extremes import (
@@ -35,8 +35,8 @@ from rollbench.compare.studies.extremes import (
     UNPROVEN,
     WRONG,
 )
-from rollbench.compare.studies.sweep.sample import pack_record, unpack_record
-from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
+from rollbench.compare.studies.sweep.sample import record_as_checked_line, record_from_checked_line
+from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Scene
 
@@ -46,7 +46,7 @@ Progress = Callable[[int, int, str], None]
 Draw = Callable[[int, int], str]
 #: Packages whose sources an outcome depends on.
 PACKAGES = ("meshes", "lowfi", "compare")
-COMPILED = Options(engine="compiled", discretisation=False)
+COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
 #: Less energy that plain minimisation may find, over the energy stored in the contacts.
 LOWER = 1e-6
 #: Every so many scenes small ones are solved by the other engine too, whose loads may differ by ``SAME``.
@@ -57,7 +57,7 @@ Command = Callable[[list[str]], tuple[int, str]]
 SAME = 1e-5
 
 
-def misstated(text: str, model: str, found: Solved | InputError, command: Command) -> str:
+def misstated(text: str, model: str, found: StaticSolution | InputError, command: Command) -> str:
     """What ``rollbench solve`` says of a scene file otherwise than the model did, in words; empty where all agree."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "campaign.toml"
@@ -75,7 +75,7 @@ def misstated(text: str, model: str, found: Solved | InputError, command: Comman
     return f"the text says {number[0]}" if number else _in_json(data, found)
 
 
-def _in_json(text: str, found: Solved) -> str:
+def _in_json(text: str, found: StaticSolution) -> str:
     try:
         data = json.loads(text, parse_constant=_refuse)
     except ValueError as error:
@@ -84,7 +84,7 @@ def _in_json(text: str, found: Solved) -> str:
         return f"the JSON's status is {data['status']}"
     rows = [[row["load_N"][side] for side in SIDES] for row in data["balls"]]
     load = np.array(rows, dtype=float).reshape(-1, 4)  # null becomes nan
-    known = np.concatenate([np.zeros((0, 4)), *(b.load for b in found.of_balls())])
+    known = np.concatenate([np.zeros((0, 4)), *(b.load for b in found.ball_results())])
     if not np.allclose(load, known, rtol=0.0, atol=SAME * float(np.nanmax(known, initial=0.0)), equal_nan=True):
         return "the JSON's loads are others"
     return ""
@@ -132,16 +132,20 @@ class Part:
         """Read the outcomes that the file has of this campaign. Raises OSError where it cannot be written."""
         self.path = path
         head = {"seed": seed, "model": model, "version": __version__, "sources": sources_hash(PACKAGES)[:16]}
-        lines = [unpack_record(line) for line in path.read_bytes().splitlines(keepends=True)] if path.exists() else []
+        lines = (
+            [record_from_checked_line(line) for line in path.read_bytes().splitlines(keepends=True)]
+            if path.exists()
+            else []
+        )
         known = [line for line in lines[1:] if line is not None] if lines[:1] == [head] else None
         if known is None:
-            path.write_bytes(pack_record(head))
+            path.write_bytes(record_as_checked_line(head))
         self.outcomes = {line["number"]: Outcome(**line) for line in known or ()}
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
         with self.path.open("ab") as file:
-            file.write(pack_record(asdict(outcome)))
+            file.write(record_as_checked_line(asdict(outcome)))
         self.outcomes[outcome.number] = outcome
 
 
@@ -170,7 +174,7 @@ def _judged(text: str, number: int, model: str, command: Command | None) -> tupl
             several = found = run_model(scene, model, COMPILED)
             (verdict, words), brute = _of_axis(scene, several, model), False
         else:
-            one = scene_file.single_set_or_raise(scene, "campaign.toml")
+            one = scene_file.single_nut_scene_or_raise(scene, "campaign.toml")
             alone = found = run_model(one, model, COMPILED)
             verdict, words, brute = _verdict(one, alone, number, model)
     except InputError as error:
@@ -198,7 +202,7 @@ def _of_axis(assembly: Assembly, result: AxisResult, model: str) -> tuple[str, s
 
 def _crosses(assembly: Assembly, model: str) -> bool:
     """Whether the state with arcs that go on across the bottom is right, the only one then, and has a loaded ball there."""
-    runner = MODELS[model].assembly
+    runner = MODELS[model].solve_assembly_or_reason
     if not callable(runner):
         return False
     state = runner(assembly, COMPILED)
@@ -214,7 +218,7 @@ def _verdict(scene: Scene, result: StaticResult, number: int, model: str) -> tup
         return (NOT_UNIQUE if result.status.cause == "not unique" else SILENT), result.status, False
     fault = check.unbalanced(scene, result) or (check.off_the_law(scene, result) if model == "lin" else "")
     if not fault and number % OTHER_ENGINE == 0 and scene.ball_count <= FEW:
-        other = run_model(scene, model, Options(engine="interpreted", discretisation=False))
+        other = run_model(scene, model, ModelOptions(engine="interpreted", estimate_beam_mesh_error=False))
         apart = 0.0 if other.status != result.status else float(abs(other.load - result.load).max())
         if other.status != result.status:
             fault = f"the other engine says: {other.status}"

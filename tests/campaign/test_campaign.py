@@ -180,7 +180,7 @@ def test_scenes_go_through_the_command_line_too():
 def test_a_campaign_is_run_and_kept_by_its_command(tmp_path, capsys):
     path = tmp_path / "campaign.json"
     assert main(["--random", "2", "--seed", "808", "--keep", str(path)]) == 0
-    (kept,) = extremes.read_campaigns(path)
+    (kept,) = extremes.read_campaign_records(path)
     assert kept["scenes"]["right"] >= 1
     assert f"scenes right: {kept['scenes']['right']}" in capsys.readouterr().out
     assert [p.name for p in tmp_path.iterdir()] == ["campaign.json"]

@@ -8,7 +8,7 @@ from tests.fe_meshes import boundary_faces, cube, force, space
 
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, isotropic_stress_law
 from rollbench.hifi.linear_algebra import factorise_positive_definite
-from rollbench.meshes.fem import build_mesh, freedoms_on_boundaries, node_coordinates
+from rollbench.meshes.fem import build_mesh, degrees_of_freedom_on_boundaries, node_coordinates
 
 E, NU = 2.5, 0.25  # lambda = mu = 1
 LEVELS = {"P1": (5, 8, 11), "P2": (3, 4, 6), "Q1": (5, 7, 10), "Q2": (3, 4, 6)}
@@ -58,7 +58,7 @@ def errors(name, m):
     K = assemble_constant_form(elasticity_form(E, NU), mesh)
     load = force(lambda x: at(body_force, x)).assemble(basis)
     u = exact(node_coordinates(mesh)).ravel()
-    inner, right, _, loose = condense(K, load, x=u, D=freedoms_on_boundaries(mesh, "all"))
+    inner, right, _, loose = condense(K, load, x=u, D=degrees_of_freedom_on_boundaries(mesh, "all"))
     u[loose] = factorise_positive_definite(inner)(right)
 
     def gap(w):

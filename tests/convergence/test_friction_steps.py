@@ -7,10 +7,10 @@ import pytest
 from tests.friction_runs import crowded, setting, sparse
 
 from rollbench.lowfi.friction.screw.travel import (
-    estimate_step_error,
+    estimate_time_step_errors,
     mean_torque_difference,
-    run_with_step_errors,
     simulate,
+    simulate_with_step_errors,
 )
 
 
@@ -19,7 +19,7 @@ def test_smooth_motion_is_of_second_order():
     changes = [mean_torque_difference(a.per_step, b.per_step) for a, b in pairwise(runs)]
     orders = np.log2(np.array(changes[:-1]) / changes[1:])
     assert orders == pytest.approx([2.0, 2.0], abs=0.35)
-    assert estimate_step_error(runs[1:]).quantities["torque"].order == pytest.approx(2.0, abs=0.35)
+    assert estimate_time_step_errors(runs[1:]).errors_by_quantity["torque"].order == pytest.approx(2.0, abs=0.35)
 
 
 @pytest.fixture(scope="module")
@@ -32,15 +32,15 @@ def test_the_estimates_hold_where_balls_meet_enter_and_leave(meeting):
     assert all(h.good for h in meeting)
     assert meeting[-1].contact.any()
     assert len({tuple(row) for row in meeting[-1].loaded}) > 1
-    found, fine, mean = estimate_step_error(meeting[:3]), meeting[3], meeting[3].torques["mean"]
+    found, fine, mean = estimate_time_step_errors(meeting[:3]), meeting[3], meeting[3].torques["mean"]
     off = {name: abs(fine.torques[name] - meeting[2].torques[name]) / mean for name in fine.torques}
     off |= {
         "torque": mean_torque_difference(meeting[2].per_step, fine.per_step) / mean,
         "share": abs(fine.share - meeting[2].share),
     }
-    assert set(off) == set(found.quantities)
+    assert set(off) == set(found.errors_by_quantity)
     for name, error in off.items():
-        assert error <= found.quantities[name].error
+        assert error <= found.errors_by_quantity[name].error
 
 
 def test_largest_and_least_torque_are_those_on_either_side_of_events(meeting):
@@ -56,8 +56,8 @@ def test_largest_and_least_torque_are_those_on_either_side_of_events(meeting):
 
 
 def test_steps_that_are_not_given_reach_the_goal():
-    found, error = run_with_step_errors(setting(sparse()), 0.2, None, 1e-3)
+    found, error = simulate_with_step_errors(setting(sparse()), 0.2, None, 1e-3)
     assert error.is_within(1e-3)
-    assert found.steps == error.steps[-1]
+    assert found.steps == error.step_counts[-1]
     finer = simulate(setting(sparse()), 0.2, 8 * found.steps)
     assert mean_torque_difference(found.per_step, finer.per_step) < 1e-3 * found.torques["mean"]

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling import verification
-from rollbench.hifi.rolling.bodies import ball_kernel
-from rollbench.hifi.rolling.contact_bodies import Zone
-from rollbench.hifi.rolling.patch import Patch, cell_grid, solve_elastic_contact_on_grid
+from rollbench.hifi.rolling.bodies import compliance_kernel_of_ball
+from rollbench.hifi.rolling.contact_bodies import ContactZone
+from rollbench.hifi.rolling.patch import GridContact, create_cell_grid, solve_elastic_contact_on_grid
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, friction_forces
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
@@ -42,12 +42,12 @@ def test_cattaneo_and_mindlin_stick_radius_converges(share):
 def test_stick_is_measured_by_what_the_tractions_leave_of_their_bound():
     """Uniform remainders of friction on known cells: deviations of a rectangle, exact on any grid, whatever else slips."""
     size = np.array([0.5, 0.25])
-    index, at = cell_grid((8, 6), size)
-    patch = Patch(index, at, size, np.ones(48), (210e9, 0.3), 0.0)
+    index, at = create_cell_grid((8, 6), size)
+    patch = GridContact(index, at, size, np.ones(48), (210e9, 0.3), 0.0)
     held = (index[:, 0] >= 2) & (index[:, 1] < 3)
     forces = np.concatenate([np.where(held, 0.06, 0.1), np.where(held, 0.08, 0.0)])
     bound = np.where(held, 0.3, 0.1)
-    assert verification.deviations_of_stick_distribution(patch, bound, forces) == pytest.approx(
+    assert verification.spread_of_unused_friction(patch, bound, forces) == pytest.approx(
         np.array([3.0, 0.75]) / np.sqrt(12.0)
     )
 
@@ -61,9 +61,9 @@ def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
 
 def test_half_of_the_cells_gives_the_coefficients_of_all():
     given = 2.0, 0.28, (12, 10)
-    patch = verification.ellipse_patch(*given)
-    units = np.stack([verification.Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
-    F = units.T @ np.linalg.solve(patch.transport_rate_matrix, units)
+    patch = verification.create_elliptic_contact(*given)
+    units = np.stack([verification.Creep(*row).rigid_slip(patch.cell_centres) for row in np.eye(3)], axis=1)
+    F = units.T @ np.linalg.solve(patch.elastic_slip_per_rolling_length, units)
     assert verification.kalker_linear_coefficients(*given) == pytest.approx([F[0, 0], F[1, 1], F[1, 2], F[2, 2]], rel=1e-10)
 
 
@@ -77,9 +77,11 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
         found = verification.solve_steady_rolling_for_creepages(
             solve_elastic_contact_on_grid(*GROOVE, shape), creep, 0.1, elastic=1e-3
         )
-        assert found.friction.converged
+        assert found.friction_solution.converged
         scale = np.abs(exact).max()
-        errors.append(max(np.abs(found.force - exact).max() / scale, abs(found.moment - moment) / (scale * 1e-4)))
+        errors.append(
+            max(np.abs(found.friction_force - exact).max() / scale, abs(found.friction_moment - moment) / (scale * 1e-4))
+        )
     assert errors[1] < 5e-3
     assert errors[1] < max(0.5 * errors[0], 1e-3)
 
@@ -90,7 +92,7 @@ def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
     exact, moment = verification.full_slip_by_quadrature(*GROOVE, creep, 0.1, 1200)
     alone = verification.solve_steady_rolling_for_creepages(patch, creep, 0.1, elastic=1e-3)
     force, turn = verification.full_slip_within_cells(patch, creep, 0.1)
-    assert abs(alone.force[0] / exact[0] - 1.0) > 0.01
+    assert abs(alone.friction_force[0] / exact[0] - 1.0) > 0.01
     assert force == pytest.approx(exact, rel=1e-3)
     assert turn == pytest.approx(moment, rel=1e-3)
 
@@ -99,7 +101,7 @@ def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
 def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
     """Numbers of the two models at the same load: their axes are exchanged."""
     load, radii, young, poisson = GROOVE
-    size = hertz(load, *radii, young, poisson)
+    size = solve_hertz(load, *radii, young, poisson)
     contact = contacts_from_values(size.semi_y, size.semi_x, load, 0.1)
     low = friction_forces(contact, np.array([[0.004, 0.02, spin]]))
     force, moment = verification.full_slip_by_quadrature(*GROOVE, verification.Creep(0.02, 0.004, spin), 0.1)
@@ -111,8 +113,8 @@ def test_full_slip_without_spin_is_the_coefficient_of_friction():
     found = verification.solve_steady_rolling_for_creepages(
         solve_elastic_contact_on_grid(*GROOVE, (12, 12)), verification.Creep(0.3, 0.4, 0.0), 0.1
     )
-    assert found.force == pytest.approx([-6.0, -8.0], rel=1e-3)
-    assert not found.friction.stick[0].any()
+    assert found.friction_force == pytest.approx([-6.0, -8.0], rel=1e-3)
+    assert not found.friction_solution.stick[0].any()
 
 
 @pytest.mark.slow
@@ -120,8 +122,8 @@ def test_kernels_of_finite_bodies_converge_with_their_cells():
     """Strains by linear tractions, in which finite bodies differ from half spaces, of a ball along tangents and along the
     normal: order about two on three meshes; the finest is off by less than the change to it."""
     cells = np.array([2, 4, 6])
-    zones = [Zone((0.1e-3, 0.4e-3), (c, c), 2.0) for c in cells]
-    found = [ball_kernel(5e-3, z, (100.0, 90.0), 210e9, 0.28, 1).M.diagonal()[[2, 4, 5, 8]] for z in zones]
+    zones = [ContactZone((0.1e-3, 0.4e-3), (c, c), 2.0) for c in cells]
+    found = [compliance_kernel_of_ball(5e-3, z, (100.0, 90.0), 210e9, 0.28, 1).M.diagonal()[[2, 4, 5, 8]] for z in zones]
     first, second = np.diff(found, axis=0)
     orders = [brentq(lambda p, r=r: np.divide(*-np.diff(1.0 / cells**p)) - r, 0.1, 6.0) for r in first / second]
     assert np.all((np.array(orders) > 1.6) & (np.array(orders) < 3.5)), orders

@@ -5,7 +5,7 @@ import pytest
 from tests.helpers import small_screw
 
 from rollbench.lowfi.friction.whole.run import WINDOW, TravellingCompliance
-from rollbench.lowfi.statics.nominal import elastic_loads
+from rollbench.lowfi.statics.nominal import contact_loads_with_elastic_bodies
 from rollbench.meshes.errors import draw_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
@@ -19,7 +19,9 @@ def loads_at(by, **how):
     start, track = ball_layout(SCENE), SCENE.track
     azimuth, station = start.azimuth + by, start.z + lead_per_radian(track) * by
     layout, radius = ball_layout_at_positions(track, azimuth, station), np.full(start.z.size, SCENE.balls.radius)
-    found = elastic_loads(SCENE, draw_errors(SCENE).at(SCENE, azimuth, azimuth, station, radius), layout, **how)
+    found = contact_loads_with_elastic_bodies(
+        SCENE, draw_errors(SCENE).geometry_at_balls(SCENE, azimuth, azimuth, station, radius), layout, **how
+    )
     assert found.converged
     return found.load
 

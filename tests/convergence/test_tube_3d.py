@@ -11,8 +11,8 @@ from tests.helpers import relative
 
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, face_basis
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
-from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
-from rollbench.meshes.fem import build_mesh, freedoms_on_boundaries, mesh_rectangular_grid, nodes_of_cells
+from rollbench.lowfi.compliance.tube import ContactPoints, SmoothBody, contact_compliance, tube_compliance
+from rollbench.meshes.fem import build_mesh, degrees_of_freedom_on_boundaries, mesh_rectangular_grid, nodes_of_cells
 from rollbench.meshes.parts import Material
 
 pytestmark = [pytest.mark.xdist_group("tube in 3D"), pytest.mark.slow]
@@ -62,7 +62,7 @@ def solid(counts):
     """Compliance (3 c, 3 c) of the 3D tube."""
     mesh = hexahedra(counts)
     K = assemble_constant_form(elasticity_form(STEEL.youngs_modulus, STEEL.poissons_ratio), mesh)
-    free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on_boundaries(mesh, "low end"))
+    free = np.setdiff1d(np.arange(K.shape[0]), degrees_of_freedom_on_boundaries(mesh, "low end"))
     return symmetric_compliance_of_loads(K[free][:, free], sp.csr_matrix(patch_rows(mesh)[:, free]))
 
 
@@ -70,11 +70,11 @@ def solid(counts):
 def kernel(harmonics=2.6, size=1.0):
     """Compliance (3 c, 3 c) of the Fourier kernel, with a scene's choice of harmonics and mesh at 1."""
     count, mesh = int(np.ceil(harmonics * BORE / WIDTH)), (1.25 * WIDTH * size, 0.6 * WIDTH * size)
-    tube = Tube(BORE, OUTER, (0.0, LENGTH), "low", BORE, WIDTH, count, mesh, STEEL)
+    tube = SmoothBody(BORE, OUTER, (0.0, LENGTH), "low", BORE, WIDTH, count, mesh, STEEL)
     found = tube_compliance(tube, (0.0, LENGTH))
     unit = np.eye(3)
     axes = np.concatenate([np.tile(unit[[0, 1]], (Z.size, 1, 1)), np.tile(unit[[2, 0]], (Z.size, 1, 1))])
-    G = contact_compliance(found, Points(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes), resultant=False)
+    G = contact_compliance(found, ContactPoints(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes), resultant=False)
     k = 2 * np.arange(Z.size)
     pick = np.stack([k, k + 1, k + 2 * Z.size], axis=1).ravel()
     return G[np.ix_(pick, pick)]

@@ -24,9 +24,9 @@ from tests.campaign.draw_axes import axis_text
 from tests.golden.means import leaves
 
 from rollbench.compare.cli import main
-from rollbench.compare.errors import InputError, Refusal
-from rollbench.compare.models.answers import compute_all_results, compute_axis_results
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.errors import InputError, SceneNotCoveredError
+from rollbench.compare.models.answers import compute_scene_results, compute_shaft_results
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import KINDS
 from rollbench.compare.studies import survey
@@ -44,7 +44,7 @@ LEFT_OUT = re.compile(
     r"|change$|_error$|imbalance|goal|rounds|steps$|slack|\.state|remainder|^\.summary\.friction$"
 )
 MODULUS = re.compile(r'(youngs_modulus = ")([\d.]+)')
-COMPILED = Options(engine="compiled", discretisation=False)
+COMPILED = ModelOptions(engine="compiled", estimate_beam_mesh_error=False)
 Found = tuple[str, dict[str, list[float]]]
 
 
@@ -78,7 +78,7 @@ def screw(number: int, shift: float, most: int = 40) -> str:
 
 def usual(number: int, shift: float) -> str:
     """Screw as catalogues have it; each sixth with a flange."""
-    text = survey.scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
+    text = survey.random_screw_scene_text(SEED, number + (survey.TUBES if number % 6 == 5 else 0))
     return shifted(text.replace('name = "bearing steel"', 'youngs_modulus = "208 GPa"\npoissons_ratio = 0.3'), shift)
 
 
@@ -146,7 +146,7 @@ def tried(work: Callable[[], Any]) -> Found:
     """How some work ended, and the numbers of its result."""
     try:
         value = work()
-    except (InputError, Refusal, ValueError) as error:
+    except (InputError, SceneNotCoveredError, ValueError) as error:
         return said_of(f"{type(error).__name__}: {error}"), {}
     return said_of(str(getattr(value[0] if isinstance(value, tuple) else value, "status", "done"))), weighted(value)
 
@@ -159,10 +159,10 @@ def solved(text: str, model: str) -> Any:
         loose = next((text for text in several.left_out if HELD in text), "")
         if re.search("u[xyz]|r[xy]", loose):  # round-off decides where it comes to rest
             return several.status, [s.loads for s in several.sets]
-        return (several, compute_axis_results(described, several)) if several.converged else several
-    scene = scene_file.single_set_or_raise(described, "drawn.toml")
+        return (several, compute_shaft_results(described, several)) if several.converged else several
+    scene = scene_file.single_nut_scene_or_raise(described, "drawn.toml")
     result = run_model(scene, model, COMPILED)
-    return (result, compute_all_results(scene, result, model, COMPILED)) if result.converged else result
+    return (result, compute_scene_results(scene, result, model, COMPILED)) if result.converged else result
 
 
 def of_kind(number: int, shift: float) -> str:

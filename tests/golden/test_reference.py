@@ -41,7 +41,7 @@ def set_up():
     """Bodies, patches and shaft of two balls in a short nut, and its contact loads."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(coarse, "REALISATIONS", 1)
-        body = setup.prepare(two_balls(), (0, 3), SMALL, cache=Cache(None))
+        body = setup.mesh_and_condense_geometry(two_balls(), (0, 3), SMALL, cache=Cache(None))
     return means({"setup": body, "solved": solve_reference(body, body.scene)}, LEFT_OUT.search)
 
 
@@ -50,15 +50,17 @@ def rolling(name):
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(runs.LEVELS, 1, CELLS)
         patch.setattr(runs, "QUADRATURES", QUADRATURES)
-        return means(runs.compute_run(catalogue.any_scene(name), 1), LEFT_OUT.search)
+        return means(runs.compute_run(catalogue.scene_of_any_kind(name), 1), LEFT_OUT.search)
 
 
 def taken():
     """What the model of rolling makes of scenes."""
-    scenes = [catalogue.any_scene(name) for name in TAKEN]
-    screw = catalogue.any_scene("lin-screw-pair-a")
+    scenes = [catalogue.scene_of_any_kind(name) for name in TAKEN]
+    screw = catalogue.scene_of_any_kind("lin-screw-pair-a")
     scenes.append(replace(screw, pair=replace(screw.pair, free="r", force=(100.0,), coupling="none")))
-    return means([cases.prepare_rolling_case(scene, cases.Choices()) for scene in scenes], LEFT_OUT.search, properties=True)
+    return means(
+        [cases.prepare_rolling_case(scene, cases.RollingSettings()) for scene in scenes], LEFT_OUT.search, properties=True
+    )
 
 
 def test_no_number_of_a_set_up_and_its_loads_moves():

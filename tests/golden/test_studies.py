@@ -17,17 +17,17 @@ from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.compare.gate import gate, judged, verdict
 from rollbench.compare.models import applicability, loading, model_form, modelling, uncertainty
-from rollbench.compare.models.comparison import REFERENCED, loads_from_result
-from rollbench.compare.models.registry import MODELS, Options, run_model
-from rollbench.compare.models.study import Study, with_ball_count, with_conformity
+from rollbench.compare.models.comparison import REFERENCED, solution_from_result
+from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache, with_ball_count, with_conformity
 from rollbench.compare.reference import convergence, estimate, levels, tasks
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import mesh_study
 
 RECORD = Path(__file__).parent / "studies.json"
-STUDY = cache(Study)
+STUDY = cache(SceneResultCache)
 NAMES = (*REFERENCED, "unseen-flange", "unseen-four-point")
-OPTIONS = Options(discretisation=False, engine="interpreted")
+OPTIONS = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
 
 
 def uneven():
@@ -43,7 +43,7 @@ def loads_of_levels():
 
 
 def references():
-    return [STUDY().reference(name) for name in NAMES]
+    return [STUDY().stored_reference(name) for name in NAMES]
 
 
 def grids():
@@ -55,52 +55,57 @@ def grids():
         for weighted in (False, True)
         for fit in (convergence.fit_searched_order(y, h, weighted), convergence.fit_given_order(y, h, 1.5, weighted))
     ]
-    mixed = convergence.fit_fixed_orders(y, h, both=True)
+    mixed = convergence.fit_fixed_orders(y, h, with_mixed_order=True)
     settings = [
-        levels.scaled_settings(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))
+        levels.mesh_settings_of_level(level, 3e-3, refined) for level in levels.LEVELS for refined in ((), ("cuts", "fine"))
     ]
     return {
         "own": observed,
         "pooled": pooled,
         "fits": fits,
         "mixed": mixed,
-        "allowed": convergence.allowed_orders(y, h, fits[0]),
+        "allowed": convergence.range_of_compatible_orders(y, h, fits[0]),
         "at": settings,
     }
 
 
 def mesh_studies():
-    found = STUDY().references(NAMES)
+    found = STUDY().stored_references(NAMES)
     return [
-        [mesh_study.mesh_level_rows(one), mesh_study.mesh_study_table_of_scene(STUDY().scene(name), None)]
+        [mesh_study.mesh_level_table_rows(one), mesh_study.mesh_study_table_of_scene(STUDY().built_in_scene(name), None)]
         for name, one in found.items()
     ]
 
 
 def choices():
-    scenes = [STUDY().scene(name) for name in NAMES]
-    effects = [effect for scene in scenes for effect in modelling.effects_of_variants(scene)]
-    return {"effects": effects, "combined": [modelling.combine_effects(scene, effects) for scene in scenes]}
+    scenes = [STUDY().built_in_scene(name) for name in NAMES]
+    effects = [effect for scene in scenes for effect in modelling.effects_of_changed_choices(scene)]
+    return {"effects": effects, "combined": [modelling.combined_modelling_uncertainty(scene, effects) for scene in scenes]}
 
 
 def validation():
     rows = []
     for name in REFERENCED:
-        answer = loads_from_result(STUDY().solve(name, "lin"))
-        rows += [uncertainty.validated_error(STUDY(), name, "lin", quantity, answer) for quantity in uncertainty.QUANTITIES]
+        answer = solution_from_result(STUDY().solve_once(name, "lin"))
+        rows += [
+            uncertainty.error_with_validation_uncertainty(STUDY(), name, "lin", quantity, answer)
+            for quantity in uncertainty.QUANTITIES
+        ]
     rows = [row for row in rows if row is not None]
     return {"rows": rows, "scatter": uncertainty.bias_and_scatter(rows)}
 
 
 def expectations():
-    points = model_form.errors_on_compared_scenes()
+    points = model_form.model_errors_on_compared_scenes()
     return {
-        "features": [model_form.features_of_scene(STUDY().scene(name), STUDY().solve(name, "lin")) for name in NAMES],
-        "left out": model_form.leave_one_out(points, "lin")[:12],
-        "places": [applicability.descriptors_with_ranges(STUDY().scene(name)) for name in NAMES],
+        "features": [
+            model_form.features_of_scene(STUDY().built_in_scene(name), STUDY().solve_once(name, "lin")) for name in NAMES
+        ],
+        "left out": model_form.leave_one_out_errors(points, "lin")[:12],
+        "places": [applicability.descriptors_with_ranges(STUDY().built_in_scene(name)) for name in NAMES],
         "points": [
             model_form.measure_model_error(
-                name, STUDY().scene(name), STUDY().solve(name, "lin"), STUDY().reference(name).best
+                name, STUDY().built_in_scene(name), STUDY().solve_once(name, "lin"), STUDY().stored_reference(name).best
             )
             for name in REFERENCED
         ],
@@ -108,15 +113,15 @@ def expectations():
 
 
 def uncertainties():
-    found = STUDY().references(NAMES)
-    return [uncertainty.uncertainty_of_loads(STUDY().scene(name), one) for name, one in found.items()]
+    found = STUDY().stored_references(NAMES)
+    return [uncertainty.uncertainty_of_loads(STUDY().built_in_scene(name), one) for name, one in found.items()]
 
 
 def faces():
     return [
-        [estimate.excess_near_faces(scene, load, 1), estimate.error_near_faces(scene, load, 1)]
-        for scene in (STUDY().scene("unseen-flange"), STUDY().scene("lin-case1"))
-        for load in [STUDY().reference(scene.name).load]
+        [estimate.excess_load_near_faces(scene, load, 1), estimate.load_error_near_faces(scene, load, 1)]
+        for scene in (STUDY().built_in_scene("unseen-flange"), STUDY().built_in_scene("lin-case1"))
+        for load in [STUDY().stored_reference(scene.name).load]
     ]
 
 
@@ -124,62 +129,70 @@ def varied():
     """Scenes that variants make, and the settings of their meshes."""
     out = []
     for name in ("lin-case3", "unseen-flange"):
-        scene = STUDY().scene(name)
+        scene = STUDY().built_in_scene(name)
         for key, variant in levels.VARIANTS.items():
             try:
                 changed = variant.change(scene)
             except ValueError:
                 continue
             out += [changed, vars(tasks.mesh_settings([scene], variant.level, key))]
-        out += [levels.with_twisted_supports(scene), with_ball_count(scene, 9), with_conformity(scene, 0.54)]
+        out += [levels.with_supports_turned_by_coupling(scene), with_ball_count(scene, 9), with_conformity(scene, 0.54)]
     return out
 
 
 def shafts():
     """Set-ups of several sets, all of a shaft and each alone."""
     found = [
-        tasks.setups_to_mesh([catalogue.shipped_scene(name)], level)
+        tasks.mesh_specifications([catalogue.shipped_scene(name)], level)
         for name in ("double-nut", "axis-fixed-fixed")
         for level in (1, 3)
     ]
-    return [tasks.settings_to_store(ups) for every in found for ups in (every, *([one] for one in every))]
+    return [tasks.mesh_settings_to_store(ups) for every in found for ups in (every, *([one] for one in every))]
 
 
 def verdicts():
     out = []
     for name in ("lin-case3", "unseen-flange"):
-        scene, found, answer = STUDY().scene(name), STUDY().reference(name), loads_from_result(STUDY().solve(name, "lin"))
-        limits = verdict.Limits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
+        scene, found, answer = (
+            STUDY().built_in_scene(name),
+            STUDY().stored_reference(name),
+            solution_from_result(STUDY().solve_once(name, "lin")),
+        )
+        limits = verdict.ErrorLimits(7.0, 2.0, dict.fromkeys(judged.QUANTITIES, 3.0))
         out += verdict.judge_contact_loads("lin", answer.load, found, limits)
         out += verdict.judge_contact_quantities(
-            "lin", verdict.contact_values_by_model(scene, answer, limits.others), scene, found, limits
+            "lin", verdict.contact_values_by_model(scene, answer, limits.limits_by_quantity), scene, found, limits
         )
-        values = verdict.screw_values_by_model(scene, answer, limits.others)
+        values = verdict.screw_values_by_model(scene, answer, limits.limits_by_quantity)
         out += [verdict.judge_given_value("lin", value, scene, found, limits) for value in values]
     return {"records": out, "json": [one.as_json() for one in out]}
 
 
 def exact():
-    scene = STUDY().scene("lin-case1")
-    forms = gate.compare_rigid_screw_load, gate.compare_cantilever_deflection, gate.compare_two_ball_load
+    scene = STUDY().built_in_scene("lin-case1")
+    forms = (
+        gate.rigid_screw_load_by_solver_and_formula,
+        gate.tip_deflection_by_solver_and_formula,
+        gate.two_ball_load_by_solver_and_formula,
+    )
     return [
-        gate.compare_sphere_on_flat(scene, 225.0),
+        gate.sphere_on_flat_by_program_and_formula(scene, 225.0),
         [form(scene) for form in forms],
-        gate.compare_oversize_preload(scene, 7e-6),
+        gate.oversize_preload_by_solver_and_formula(scene, 7e-6),
     ]
 
 
 def results():
     """Of every model that needs no file, on a scene that suits it."""
-    scenes = [STUDY().scene("lin-case2"), uneven()]
+    scenes = [STUDY().built_in_scene("lin-case2"), uneven()]
     every = [model for model in MODELS.values() if model.name != "condensed"]
-    return [run_model(scene, model.name, OPTIONS) for scene in scenes for model in every if model.suits(scene)]
+    return [run_model(scene, model.name, OPTIONS) for scene in scenes for model in every if model.covers_scene(scene)]
 
 
 def loaded():
     scene = uneven()
-    result = loading.solve_scaled(scene, 1.0, "lin", OPTIONS)
-    bare = loading.solve_scaled(scene, 0.0, "lin", OPTIONS)
+    result = loading.solve_with_scaled_loads(scene, 1.0, "lin", OPTIONS)
+    bare = loading.solve_with_scaled_loads(scene, 0.0, "lin", OPTIONS)
     return {
         "result": result,
         "preload": loading.preload_from_unloaded(scene, bare),

@@ -15,7 +15,7 @@ from tests.hertz_studies import GROUP, study
 
 from rollbench.compare.sections import verification
 from rollbench.hifi.contact.block import JOBS, boussinesq_displacements
-from rollbench.hifi.contact.hertz import THINNEST, hertz
+from rollbench.hifi.contact.hertz import THINNEST, solve_hertz
 from rollbench.reports.content import Figure, Table
 from rollbench.reports.figures import draw_figure
 
@@ -30,16 +30,16 @@ def test_the_closed_form_ends_where_an_ellipse_is_too_thin(closer):
     """Long ellipse of b/a = r: curvatures in the ratio r^2 (ln(4/r) - 1) along and across (Johnson 4.28 for small r)."""
     curvatures = THINNEST**2 * (np.log(4.0 / THINNEST) - 1.0) * closer
     if closer > 1.0:
-        found = hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
+        found = solve_hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
         assert found.semi_y / found.semi_x == pytest.approx(THINNEST, rel=1e-3)
     else:
         with pytest.raises(ValueError, match="thinner than"):
-            hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
+            solve_hertz(100.0, 1e-3 / curvatures, 1e-3, 210e9, 0.3)
 
 
 @pytest.mark.parametrize("name", EXACT)
 def test_closed_form_gives_the_published_numbers(name):
-    exact = JOBS[name].exact
+    exact = JOBS[name].hertz_solution
     found = (1e6 * exact.approach, 1e3 * exact.semi_x, 1e3 * exact.semi_y, 1e-6 * exact.pole_pressure)
     assert found == pytest.approx(EXACT[name], rel=2e-6)
 
@@ -47,7 +47,7 @@ def test_closed_form_gives_the_published_numbers(name):
 @pytest.mark.parametrize("ratio", [1.0, 1.3, 8.0, 300.0])
 def test_closed_form_satisfies_johnsons_equations_with_library_integrals(ratio):
     young, nu, load, short = 210e9, 0.3, 100.0, 2e-3
-    s = hertz(load, ratio * short, short, young, nu)
+    s = solve_hertz(load, ratio * short, short, young, nu)
     modulus = young / (2.0 * (1.0 - nu**2))
     assert load == pytest.approx(2.0 * np.pi / 3.0 * s.pole_pressure * s.semi_x * s.semi_y, rel=1e-13)
     m = 1.0 - (s.semi_y / s.semi_x) ** 2
@@ -60,7 +60,7 @@ def test_closed_form_satisfies_johnsons_equations_with_library_integrals(ratio):
 
 
 def test_approach_is_the_potential_of_the_pressure_at_the_pole():
-    s, job = JOBS["B"].exact, JOBS["B"]
+    s, job = JOBS["B"].hertz_solution, JOBS["B"]
     theta = 2.0 * np.pi * (np.arange(400) + 0.5) / 400
     radius = 1.0 / np.sqrt((np.cos(theta) / s.semi_x) ** 2 + (np.sin(theta) / s.semi_y) ** 2)
     modulus = job.young / (2.0 * (1.0 - job.poisson**2))
@@ -68,13 +68,13 @@ def test_approach_is_the_potential_of_the_pressure_at_the_pole():
 
 
 def test_order_of_the_radii_does_not_matter_and_wrong_input_is_refused():
-    one, other = hertz(50.0, 1e-3, 4e-3, 2e11, 0.3), hertz(50.0, 4e-3, 1e-3, 2e11, 0.3)
+    one, other = solve_hertz(50.0, 1e-3, 4e-3, 2e11, 0.3), solve_hertz(50.0, 4e-3, 1e-3, 2e11, 0.3)
     assert (one.approach, one.semi_x, one.semi_y) == (other.approach, other.semi_y, other.semi_x)
     assert one.semi_y > one.semi_x
     with pytest.raises(ValueError, match="must be > 0"):
-        hertz(50.0, -1e-3, 4e-3, 2e11, 0.3)
+        solve_hertz(50.0, -1e-3, 4e-3, 2e11, 0.3)
     with pytest.raises(ValueError, match="line contact"):
-        hertz(50.0, 1e6, 1e-3, 2e11, 0.3)
+        solve_hertz(50.0, 1e6, 1e-3, 2e11, 0.3)
 
 
 def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
@@ -112,11 +112,11 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
 @pytest.mark.parametrize("name", JOBS)
 def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name, aim):
     run = study(JOBS[name], "Q2", 4.0, aim=aim)
-    assert run.approach == pytest.approx(run.exact.approach, rel=3e-3)
-    assert run.semi_x == pytest.approx(run.exact.semi_x, rel=5e-3)
-    assert run.semi_y == pytest.approx(run.exact.semi_y, rel=5e-3)
-    assert run.pole_pressure == pytest.approx(run.exact.pole_pressure, rel=1e-2)
-    assert run.pole_fitted == pytest.approx(run.exact.pole_pressure, rel=1e-2)
+    assert run.approach == pytest.approx(run.hertz_solution.approach, rel=3e-3)
+    assert run.semi_x == pytest.approx(run.hertz_solution.semi_x, rel=5e-3)
+    assert run.semi_y == pytest.approx(run.hertz_solution.semi_y, rel=5e-3)
+    assert run.pole_pressure == pytest.approx(run.hertz_solution.pole_pressure, rel=1e-2)
+    assert run.fitted_pole_pressure == pytest.approx(run.hertz_solution.pole_pressure, rel=1e-2)
 
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
@@ -131,7 +131,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     ]
     assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
     run = JOBS["A"]
-    by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.exact.approach - 1.0)
+    by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.hertz_solution.approach - 1.0)
     assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
     for item in section.items:
         if isinstance(item, Figure):
@@ -140,7 +140,9 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
 
 def test_section_admits_a_target_that_is_missed():
     coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
-    words = verification.error_target_sentences([verification.errors_of_hertz_run("27-node hexahedra", coarse)])
+    words = verification.error_target_sentences([verification.hertz_computation_with_errors("27-node hexahedra", coarse)])
     assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
-    rows = verification.computed_and_hertz_rows([verification.errors_of_hertz_run("27-node hexahedra", coarse)])
+    rows = verification.rows_of_computed_and_hertz_values(
+        [verification.hertz_computation_with_errors("27-node hexahedra", coarse)]
+    )
     assert [row["met"] for row in rows] == ["NO"] * 4

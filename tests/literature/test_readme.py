@@ -65,17 +65,17 @@ def test_shown_output_is_what_is_printed(tmp_path: Path, monkeypatch, capsys) ->
 
 @of_report
 def test_report_s_tables_are_what_the_models_give_now() -> None:
-    from rollbench.compare.cases.lin.evidence.chapter_2 import case_1_by_choice
+    from rollbench.compare.cases.lin.evidence.chapter_2 import solve_case_1_by_model_choice
     from rollbench.compare.cases.lin.pages.chapter_2 import model_choice_rows
-    from rollbench.compare.models.study import Study
-    from rollbench.compare.sections.reference import case_studies, load_error_table
+    from rollbench.compare.models.study import SceneResultCache
+    from rollbench.compare.sections.reference import load_error_table, references_of_case_studies
     from rollbench.reports.content import Table
 
-    study = Study()
-    computed = Table.of("cases-choices", "", model_choice_rows(case_1_by_choice(study)))
+    study = SceneResultCache()
+    computed = Table.from_rows("cases-choices", "", model_choice_rows(solve_case_1_by_model_choice(study)))
     for row, old in zip(computed.rows, stored("cases-choices"), strict=True):
         assert abs(float(row["max"]) - float(old["max [N]"])) < 1e-6 * float(old["max [N]"])
-    table = load_error_table(study, case_studies(study))
+    table = load_error_table(study, references_of_case_studies(study))
     for row, old in zip(table.rows, stored("reference-errors"), strict=True):
         assert (row["scene"], row["model"]) == (old["scene"], old["model"])
         if row.get("max") is not None:

@@ -86,14 +86,14 @@ def on_springs(parts, result, loads):
     s = system.structure
     n = s.nodes.size
     K = np.zeros((6 * n, 6 * n))
-    for e, (length, section) in enumerate(zip(np.diff(s.nodes), system.axis.sections, strict=True)):
+    for e, (length, section) in enumerate(zip(np.diff(s.nodes), system.structure_arrays.sections, strict=True)):
         band = np.zeros((12, 12))
         add_element(band, 0, length, section)
         K[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += dense(band)
-    for b, solved_set in zip(system.balls, result.sets, strict=True):
-        at = 6 * b.problem.node[0, 0 if b.problem.use[0] else 1]
+    for b, solved_set in zip(system.ball_sets, result.sets, strict=True):
+        at = 6 * b.problem.first_nodes[0, 0 if b.problem.used_flanks[0] else 1]
         reach = np.eye(6)
-        z = s.nodes[at // 6] - b.of.position
+        z = s.nodes[at // 6] - b.rolling_set.position
         reach[0, 4], reach[1, 3] = -z, z
         K[at : at + 6, at : at + 6] += reach.T @ solved_set.stiffness @ reach
     free = ~s.fixed[:n].ravel()
@@ -143,13 +143,15 @@ def test_envelope_grows_in_proportion_to_the_number_of_sets():
         places = 0.02 + 0.26 * (np.arange(count) + 0.5) / count
         sets = [replace(bearing(f"b{i}", z, "+z"), housing=f"h{i}") for i, z in enumerate(places)]
         housings = tuple(Housing(f"h{i}", z, (), diagonal_stiffness((1e8,) * 6)) for i, z in enumerate(places))
-        return int(build_assembly_arrays(assembly(*sets, housings=housings)).axis.start[-1])
+        return int(build_assembly_arrays(assembly(*sets, housings=housings)).structure_arrays.row_offsets[-1])
 
     assert size(32) / size(16) == pytest.approx(2.0, rel=0.03)
     joined = [nut(f"n{i}", z) for i, z in enumerate((0.05, 0.1, 0.15, 0.2))]
     held = (Housing("h", 0.1, (), diagonal_stiffness((1e8,) * 6)),)
-    apart = int(build_assembly_arrays(assembly(*joined)).axis.start[-1])
+    apart = int(build_assembly_arrays(assembly(*joined)).structure_arrays.row_offsets[-1])
     together = int(
-        build_assembly_arrays(assembly(*(replace(s, housing="h") for s in joined), housings=held)).axis.start[-1]
+        build_assembly_arrays(
+            assembly(*(replace(s, housing="h") for s in joined), housings=held)
+        ).structure_arrays.row_offsets[-1]
     )
     assert together < 1.7 * apart

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.lowfi.bearings.angular_contact import BallBearing, BallRow, bearing_of_contact_angle
-from rollbench.lowfi.bearings.axis import BearingSet, solve_set_equilibrium
+from rollbench.lowfi.bearings.angular_contact import BallBearing, BallBearingRow, bearing_of_contact_angle
+from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
 from rollbench.lowfi.bearings.tapered_roller import solve_thrust_and_radial_equilibrium
-from rollbench.lowfi.rollers import TaperedBearing, TaperedRow
+from rollbench.lowfi.rollers import StraightTaperedRow, TaperedBearing
 
 SEEDS = range(12)
 
@@ -33,15 +33,15 @@ def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:
     return TaperedBearing(int(rng.integers(8, 40)), d, 1.5 * d, cup, gamma, 207e9, 0.3, 0.7 * d)
 
 
-def any_set(seed: int, scale: float = 1.0) -> tuple[BearingSet, float]:
+def any_set(seed: int, scale: float = 1.0) -> tuple[BearingRows, float]:
     """Two to five rows, balls or rollers, facing both ways, and a load of the size of their preload."""
     rng = np.random.default_rng(seed)
-    make = (lambda: BallRow(ball(rng, scale))) if seed % 2 else (lambda: TaperedRow(taper(rng, scale)))
+    make = (lambda: BallBearingRow(ball(rng, scale))) if seed % 2 else (lambda: StraightTaperedRow(taper(rng, scale)))
     rows = [make() for _ in range(int(rng.integers(2, 6)))]
     directions = [1, -1, *(int(s) for s in rng.choice([1, -1], len(rows) - 2))]
     load = scale**2 * 10.0 ** rng.uniform(1.0, 4.0)
     offsets = [row.deflection(load * rng.uniform(0.2, 2.0)) for row in rows]
-    return BearingSet(tuple(rows), tuple(directions), tuple(offsets)), load
+    return BearingRows(tuple(rows), tuple(directions), tuple(offsets)), load
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -50,19 +50,21 @@ def test_balance_monotony_mirror_image_and_similarity(seed: int) -> None:
     rows, load = any_set(seed)
     before = -np.inf
     for force in load * np.array([-20.0, -1.0, -0.1, 0.0, 0.1, 1.0, 20.0]):
-        s = solve_set_equilibrium(rows, float(force))
-        assert np.array(rows.directions) @ s.loads == pytest.approx(force, abs=1e-11 * max(abs(force), s.loads.max()))
-        assert np.all(s.loads >= 0.0)
+        s = solve_bearing_row_equilibrium(rows, float(force))
+        assert np.array(rows.directions) @ s.row_thrusts == pytest.approx(
+            force, abs=1e-11 * max(abs(force), s.row_thrusts.max())
+        )
+        assert np.all(s.row_thrusts >= 0.0)
         assert s.displacement > before
         assert s.stiffness > 0.0
         before = s.displacement
     mirror = replace(rows, directions=tuple(-s for s in rows.directions))
-    a, b = solve_set_equilibrium(rows, 0.7 * load), solve_set_equilibrium(mirror, -0.7 * load)
+    a, b = solve_bearing_row_equilibrium(rows, 0.7 * load), solve_bearing_row_equilibrium(mirror, -0.7 * load)
     assert b.displacement == pytest.approx(-a.displacement, rel=1e-10)
-    np.testing.assert_allclose(a.loads, b.loads, rtol=1e-9, atol=1e-9 * load)
+    np.testing.assert_allclose(a.row_thrusts, b.row_thrusts, rtol=1e-9, atol=1e-9 * load)
     large, more = any_set(seed, 3.0)
-    a, b = solve_set_equilibrium(rows, 0.5 * load), solve_set_equilibrium(large, 0.5 * more)
-    np.testing.assert_allclose(b.loads, 9.0 * a.loads, rtol=1e-8, atol=1e-8 * load)
+    a, b = solve_bearing_row_equilibrium(rows, 0.5 * load), solve_bearing_row_equilibrium(large, 0.5 * more)
+    np.testing.assert_allclose(b.row_thrusts, 9.0 * a.row_thrusts, rtol=1e-8, atol=1e-8 * load)
     assert b.displacement == pytest.approx(3.0 * a.displacement, rel=1e-7, abs=1e-15)
     assert b.stiffness == pytest.approx(3.0 * a.stiffness, rel=1e-7)
 

@@ -35,8 +35,8 @@ HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 def solution(case):
     """Kernels' arguments, and the state and forces from the usual start."""
     ready = prepared(SCENES[case](), "compiled")
-    assert ready.iterate().residual <= 1e-10
-    return ready, [x.copy() for x in ready.state], ready.force.copy()
+    assert ready.solve_by_newton().residual <= 1e-10
+    return ready, [x.copy() for x in ready.state], ready.contact_forces.copy()
 
 
 def moved(ready, state, seed, size):
@@ -69,10 +69,10 @@ def energy(ready, q, d):
 def test_random_starts_reach_the_same_forces(case, seed, exponent):
     ready, state, forces = solution(case)
     moved(ready, state, seed, 10.0**exponent)
-    outcome = ready.iterate(False)
+    outcome = ready.solve_by_newton(False)
     assert outcome.status in (0, 1)
     assert outcome.residual <= 1e-10
-    assert relative(ready.force, forces) < 1e-8
+    assert relative(ready.contact_forces, forces) < 1e-8
 
 
 @pytest.mark.parametrize("case", SCENES)

@@ -12,11 +12,11 @@ from rollbench.compare.scenes import catalogue
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, fixed_surface
 from rollbench.lowfi.statics.elastic import ElasticInput, solve_elastic
-from rollbench.lowfi.statics.held import free_motions
+from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.kernel import elastic as kernel
 from rollbench.lowfi.statics.kernel_types import ForceState
 from rollbench.lowfi.statics.static import pin_free_motions
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
@@ -61,11 +61,11 @@ def solved(seed, backend):
 
 def assembled(scene, backend):
     layout = ball_layout(scene)
-    drawn, use = draw_specimen(scene, layout), np.ones(4, dtype=bool)
+    drawn, use = draw_geometry_with_errors(scene, layout), np.ones(4, dtype=bool)
     kernels = jit.load_kernel_package(jit.STATICS, compiled=True)
     made = ElasticInput(scene, drawn, layout, use, kernels, backend=backend)
-    problem = made.problem()
-    return made.ready(pin_free_motions(problem, free_motions(problem)))
+    problem = made.build_problem()
+    return made.build_equations(pin_free_motions(problem, find_unresisted_motions(problem)))
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -84,13 +84,13 @@ def test_random_scenes_balance(seed, backend):
 @pytest.mark.parametrize("seed", SEEDS[::3])
 def test_any_start_leads_to_the_same_loads(seed, backend):
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert elastic.iterate().residual <= 1e-10
-    forces, scale = elastic.state.contact[..., 0].copy(), elastic.scale
+    assert elastic.solve_by_newton().residual <= 1e-10
+    forces, scale = elastic.state.contact[..., 0].copy(), elastic.residual_force_scale
     rng = np.random.default_rng(seed)
     for size in (0.1, 10.0):
         elastic.state.phi[:] += size * scale * rng.normal(size=elastic.state.phi.shape)
         elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size)
-        assert elastic.iterate(False).residual <= 1e-10
+        assert elastic.solve_by_newton(False).residual <= 1e-10
         assert np.abs(elastic.state.contact[..., 0] - forces).max() < 1e-8 * scale
 
 
@@ -111,8 +111,8 @@ def energy_at(elastic, phi, amplitudes):
 def test_chords_lie_above_the_energy(seed, backend):
     """Midpoint convexity and the tangent below, along segments from small to far beyond the solution's own forces."""
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert elastic.iterate().residual <= 1e-10
-    phi, amplitudes, scale = elastic.state.phi.copy(), elastic.state.a.copy(), elastic.scale
+    assert elastic.solve_by_newton().residual <= 1e-10
+    phi, amplitudes, scale = elastic.state.phi.copy(), elastic.state.a.copy(), elastic.residual_force_scale
     rng = np.random.default_rng(seed)
     lowest = energy_at(elastic, phi, amplitudes)[0]
     for size in (1e-2, 0.3, 5.0):

@@ -53,15 +53,17 @@ def test_energy_and_reversal(scene, screw, nut, motion):
     assume(result.converged)
     friction = Friction(screw, nut, feedback=False)
     found = friction_state(scene, result, friction, motion)
-    t = found.torque
-    assert found.balls.converged, found.balls.status
+    t = found.friction_sums
+    assert found.ball_friction.converged, found.ball_friction.status
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
-    assert t.on_screw * t.speed + t.load * t.ratio * t.speed == pytest.approx(t.power, rel=1e-8)
-    assert found.balls.loss.min() >= -1e-9 * t.power
-    full = found.at.force * np.array([screw, screw, nut, nut])
-    assert np.all(np.hypot(*np.moveaxis(found.balls.force, -1, 0)) <= full * (1.0 + 1e-6)), "no more than mu F"
+    assert t.driving_torque_on_screw * t.speed + t.axial_load * t.advance_per_radian * t.speed == pytest.approx(
+        t.power, rel=1e-8
+    )
+    assert found.ball_friction.loss.min() >= -1e-9 * t.power
+    full = found.contacts.force * np.array([screw, screw, nut, nut])
+    assert np.all(np.hypot(*np.moveaxis(found.ball_friction.force, -1, 0)) <= full * (1.0 + 1e-6)), "no more than mu F"
     back = friction_state(scene, result, friction, replace(motion, speed=-motion.speed))
-    assert back.torque.friction == pytest.approx(t.friction, rel=1e-7)
+    assert back.friction_sums.friction_torque == pytest.approx(t.friction_torque, rel=1e-7)
 
 
 @settings(max_examples=25, derandomize=True, deadline=None)
@@ -71,10 +73,12 @@ def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
     result = solve_static(scene)
     assume(result.converged and scene.track.lead != 0.0)
     found = friction_state(scene, result, Friction(screw, nut, feedback=True), motion)
-    assert not found.unsettled
+    assert not found.unsettled_balls
     assert found.change < 1e-6
-    assert found.torque.load == pytest.approx(found.bare.load, abs=1e-6 * found.torque.carried)
-    assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-8)
+    assert found.friction_sums.axial_load == pytest.approx(
+        found.sums_without_feedback.axial_load, abs=1e-6 * found.friction_sums.contact_load_sum
+    )
+    assert found.friction_sums.input_power == pytest.approx(found.friction_sums.power, rel=1e-8)
 
 
 @settings(max_examples=10, derandomize=True, deadline=None)
@@ -85,5 +89,7 @@ def test_mirror(scene, mu, motion):
     friction = Friction(mu, mu, feedback=False)
     one = friction_state(scene, result, friction, motion)
     two = friction_state(other, solve_static(other), friction, replace(motion, speed=-motion.speed))
-    assert two.torque.friction == pytest.approx(one.torque.friction, rel=1e-6)
-    assert two.torque.load == pytest.approx(one.torque.load, rel=1e-6, abs=1e-9 * one.torque.carried)
+    assert two.friction_sums.friction_torque == pytest.approx(one.friction_sums.friction_torque, rel=1e-6)
+    assert two.friction_sums.axial_load == pytest.approx(
+        one.friction_sums.axial_load, rel=1e-6, abs=1e-9 * one.friction_sums.contact_load_sum
+    )

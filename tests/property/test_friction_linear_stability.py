@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.linear.bearing import (
 )
 from rollbench.lowfi.friction.linear.chain import LinearChainSolution, prepare_linear_chain, solve_linear_chain
 
-BEARING = source_cases.linear_pair_scene().bearing
+BEARING = source_cases.linear_ball_pair_scene().bearing
 MU = (0.001, 0.1, 0.5)
 
 
@@ -31,9 +31,9 @@ def check(
     one, two = solve_linear_chain(chain), solve_linear_chain(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
     case = bearing.mu, angles, loads
     for result in (one, two):
-        assert result.status == "converged", (case, result.residual, result.lag)
-        assert abs(result.power - result.loss) <= 1e-8 * chain.scale * abs(bearing.speed), case
-    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.scale, err_msg=str(case))
+        assert result.status == "converged", (case, result.largest_imbalance_ratio, result.largest_closing_speed_ratio)
+        assert abs(result.power - result.loss) <= 1e-8 * chain.force_unit * abs(bearing.speed), case
+    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.force_unit, err_msg=str(case))
     np.testing.assert_allclose(two.velocity, one.velocity, atol=motion * abs(bearing.speed), err_msg=str(case))
     return one
 

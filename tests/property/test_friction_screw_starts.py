@@ -12,7 +12,7 @@ import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import groove_of_table_3_6, screw_pair_as_printed
 from rollbench.lowfi.friction.screw.chain import IterationStart
-from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair
+from rollbench.lowfi.friction.screw.run import Pair, ScrewPairSolution, solve_pair_of_screw_balls
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
 STATES = [*product((1.0, 50.0), (1.7e-6, 0.0)), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6), (2000.0, -1e-5)]
@@ -25,9 +25,9 @@ def random_guess(pair: Pair, found: ScrewPairSolution, rng: np.random.Generator)
     size = pair.groove.mu * float(found.ball_loads.max()) * 10.0 ** rng.uniform(-1.0, 1.0)
     q = found.touching.motion.q
     return IterationStart(
-        push=size * rng.normal(size=(2, 2)),
-        drag=np.zeros(1) if held else size * rng.normal(size=1),
-        q=q * (1.0 + 0.5 * rng.normal(size=q.shape)),
+        ball_friction_forces=size * rng.normal(size=(2, 2)),
+        screw_friction_forces=np.zeros(1) if held else size * rng.normal(size=1),
+        ball_motions=q * (1.0 + 0.5 * rng.normal(size=q.shape)),
         ball_force=size * np.array([rng.uniform(), 0.0]),
     )
 
@@ -42,12 +42,12 @@ def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> 
             screw_pair_as_printed(np.radians(2.0)), groove=groove_of_table_3_6(mu=mu), oversize=oversize, force=(force,)
         )
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
-        found = solve_pair(pair)
+        found = solve_pair_of_screw_balls(pair)
         assert found.converged
         near = 1e-6 * mu * float(found.ball_loads.max())
         for _ in range(STARTS):
-            again = solve_pair(pair, random_guess(pair, found, rng))
+            again = solve_pair_of_screw_balls(pair, random_guess(pair, found, rng))
             assert again.converged
-            for one, two in ((found.free, again.free), (found.touching, again.touching)):
-                assert two.load.force == pytest.approx(one.load.force, abs=near)
+            for one, two in ((found.apart, again.apart), (found.touching, again.touching)):
+                assert two.loads_with_friction.force == pytest.approx(one.loads_with_friction.force, abs=near)
                 assert two.motion.ball_force == pytest.approx(one.motion.ball_force, abs=near)

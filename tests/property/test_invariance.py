@@ -7,7 +7,7 @@ import pytest
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, mirrored, prepared, relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
+from rollbench.lowfi.statics.kernel_types import SpecimenArrays, SpecimenSolutions
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, Load, Material, SideErrors, Support
 
 COMBINED = replace(
@@ -215,11 +215,13 @@ def test_members_of_an_ensemble_are_single_solutions():
     ]
     ready = [prepared(s, "compiled") for s in scenes]
     geometry, closure, B = (np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "closure", "B"))
-    members = MemberArrays(B, geometry, closure, np.stack([r.given.contacts.r_ball for r in ready]))
+    members = SpecimenArrays(B, geometry, closure, np.stack([r.kernel_arrays.contacts.r_ball for r in ready]))
     forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
     first = ready[0]
-    found = MemberStates(forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p)))
-    first.engine.ensemble(first.given, first.state, first.options, members, found)
+    found = SpecimenSolutions(
+        forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p))
+    )
+    first.engine.ensemble(first.kernel_arrays, first.state, first.options, members, found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10
     for scene, force in zip(scenes, forces, strict=True):

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from rollbench.compare.models.study import with_ball_count
 from rollbench.compare.scenes.catalogue import scene as shipped
-from rollbench.compare.studies.extreme_cases import StabilityCase, with_groove_radius_ratio, with_shaft_stiffness
-from rollbench.compare.studies.extremes import ENERGY, solve_case_by_formulation
+from rollbench.compare.studies.extreme_cases import HardScene, with_groove_radius_ratio, with_shaft_stiffness
+from rollbench.compare.studies.extremes import ENERGY, solve_hard_scene_by_formulation
 from rollbench.meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")
@@ -74,7 +74,7 @@ def random_scenes(draw):
 @settings(max_examples=40, derandomize=True, deadline=None)
 @given(random_scenes())
 def test_ours_converges_or_names_the_mechanism(scene):
-    row = solve_case_by_formulation(StabilityCase("random", "random", scene), ENERGY)
+    row = solve_hard_scene_by_formulation(HardScene("random", "random", scene), ENERGY)
     if row.converged:
         assert row.residual is not None
         assert row.residual <= max(1e-10, row.round_off_bound)

@@ -8,32 +8,32 @@ import pytest
 from tests.helpers import ALL_BUT_AXIAL
 from tests.property.survey_scenes import CASE, even, pressed, shortened, survey, tipped
 
-from rollbench.compare.errors import Refusal
+from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.measure import load_error
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.models.study import with_conformity
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.levels import BALL
-from rollbench.compare.reference.tasks import Task, flanks_to_mesh, mesh_settings
+from rollbench.compare.reference.tasks import ReferenceTask, flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.bodies import coarse
 from rollbench.hifi.meshing.part_meshes import (
     ball_socket_and_map,
-    choose_patch_lines,
+    choose_patch_cells,
     choose_socket_size,
+    contact_normals_of_patch,
     mesh_parts,
     mesh_patch,
-    patch_normals,
 )
 from rollbench.hifi.meshing.settings import Settings, estimate_contacts_of_scene, round_up_lengths
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.setup import prepare
+from rollbench.hifi.setup import mesh_and_condense_geometry
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.fem import mesh_quality
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
-from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 
@@ -107,17 +107,17 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
         **few,
     )
     sides = flanks_to_mesh(scene)
-    set_up = prepare(scene, sides, settings, cache=cache)
+    set_up = mesh_and_condense_geometry(scene, sides, settings, cache=cache)
     result = solve_reference(set_up, scene)
     assert result.status == "converged"
-    assert max(result.balance, result.screw_balance) < 1e-8
-    assert abs(result.along_groove) < 1e-3
-    low = run_model(scene, "lin", Options(discretisation=False))
+    assert max(result.unbalanced_ball_force, result.unbalanced_shaft_force) < 1e-8
+    assert abs(result.unbalanced_force_along_groove) < 1e-3
+    low = run_model(scene, "lin", ModelOptions(estimate_beam_mesh_error=False))
     assert low.converged
-    error = load_error(low.load, result.load)
+    error = load_error(low.load, result.contact_loads)
     assert error.rms_percent < 4.0, error
-    assert min(set_up.quality[k] for k in ("screw", "nut", "ball")) > 0.0
-    assert set_up.quality["deviation"] < 1e-12 or scene.track.lead == 0.0
+    assert min(set_up.mesh_quality[k] for k in ("screw", "nut", "ball")) > 0.0
+    assert set_up.mesh_quality["deviation"] < 1e-12 or scene.track.lead == 0.0
 
 
 SURVEY = dict(survey())
@@ -129,29 +129,37 @@ TIGHT += ("unseen-63x20", "unseen-four-point")
 def sockets_of(scene, cuts):
     """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
     settings, small = replace(mesh_settings([scene], 1), cuts=cuts), shortened(scene)
-    m, layout, sides = GrooveMap.of(small), ball_layout(small), flanks_to_mesh(scene)
+    m, layout, sides = GrooveMap.from_scene(small), ball_layout(small), flanks_to_mesh(scene)
     meshes = mesh_parts(small, m, layout, dimensions_of_3d_parts(small), sides, settings)
     whole = choose_socket_size(
-        scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions_of_3d_parts(scene), settings
+        scene, GrooveMap.from_scene(scene), ball_layout(scene), sides, dimensions_of_3d_parts(scene), settings
     )
-    assert (meshes.size.gamma, meshes.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
+    assert (meshes.socket_size.gamma, meshes.socket_size.edge_divisions) == (pytest.approx(whole.gamma, rel=0.15), cuts)
     return m, meshes, settings, sides
 
 
 def check_patches(scene, cuts):
     m, meshes, settings, sides = sockets_of(scene, cuts)
-    assert min(body.quality.smallest for body in (meshes.screw, meshes.nut, meshes.ball)) > 0.0
-    zone = choose_patch_lines(settings, meshes.widths, meshes.size.depth)[1]
-    assert zone[0] * meshes.widths[0] >= settings.reach[0]
-    assert zone[1] * meshes.widths[1] >= settings.reach[1]
+    assert min(body.quality.smallest_jacobian for body in (meshes.screw_mesh, meshes.nut_mesh, meshes.ball_mesh)) > 0.0
+    zone = choose_patch_cells(settings, meshes.half_widths, meshes.socket_size.depth)[1]
+    assert zone[0] * meshes.half_widths[0] >= settings.reach[0]
+    assert zone[1] * meshes.half_widths[1] >= settings.reach[1]
     for side in sides:
-        body = meshes.screw if side < 2 else meshes.nut
-        groove = mesh_patch(meshes, body.sockets[side], partial(points_in_reference_socket, m, meshes.size, side), settings)
-        ball = mesh_patch(
-            meshes, meshes.ball.sockets[side], ball_socket_and_map(m, meshes.size, side, meshes.zone)[1], settings
+        body = meshes.screw_mesh if side < 2 else meshes.nut_mesh
+        groove = mesh_patch(
+            meshes, body.box_faces[side], partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side), settings
         )
-        assert min(mesh_quality(x.mesh).smallest for x in (groove, ball)) > 0.1
-        found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
+        ball = mesh_patch(
+            meshes,
+            meshes.ball_mesh.box_faces[side],
+            ball_socket_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1],
+            settings,
+        )
+        assert min(mesh_quality(x.mesh).smallest_jacobian for x in (groove, ball)) > 0.1
+        found, wanted = (
+            contact_normals_of_patch(ball, np.zeros(3)),
+            contact_normals_of_patch(groove, np.array([m.R, 0.0, 0.0])),
+        )
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 
 
@@ -170,8 +178,8 @@ def test_displaced_supports_widen_the_patches():
 def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     for name in ("mesh_grooved_body", "mesh_ball_with_sockets"):
         monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
-    with pytest.raises(Refusal) as refused:
-        compute_runs(Task((pressed(with_conformity(CASE, 0.515), 4e9),), 1))
+    with pytest.raises(SceneNotCoveredError) as refused:
+        compute_reference_runs(ReferenceTask((pressed(with_conformity(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)
     assert "no room for the contact ellipse" in words
     assert words.count(" mm (") == 2
@@ -183,8 +191,8 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
 @pytest.mark.parametrize("name", SURVEY)
 def test_survey(name):
     """Level 1 converges in balance, within a time and memory that a machine of two cores has."""
-    (run,) = compute_runs(Task((SURVEY[name],), 1))
+    (run,) = compute_reference_runs(ReferenceTask((SURVEY[name],), 1))
     assert run.status == "converged"
     assert max(run.balance, run.screw_balance) < 1e-8
-    low = run_model(SURVEY[name], "refined", Options(discretisation=False))
+    low = run_model(SURVEY[name], "refined", ModelOptions(estimate_beam_mesh_error=False))
     assert load_error(low.load, run.load).rms_percent < 5.0

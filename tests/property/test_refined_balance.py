@@ -1,6 +1,6 @@
 """Contact loads of the refined model balance where its bodies bend far more than the contacts yield."""
 
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file
 
 RING = """title = "thin ring with many small balls"
@@ -47,7 +47,7 @@ screw = "rigid"
 
 def test_loads_that_almost_cancel_balance_to_round_off_of_the_loads() -> None:
     """Motions G f of a plate that bends are sums of large terms, whose round-off must not become a force."""
-    scene = scene_file.single_set_or_raise(scene_file.parse_scene(RING, "ring.toml"), "ring.toml")
-    result = run_model(scene, "refined", Options(engine="compiled", discretisation=False))
+    scene = scene_file.single_nut_scene_or_raise(scene_file.parse_scene(RING, "ring.toml"), "ring.toml")
+    result = run_model(scene, "refined", ModelOptions(engine="compiled", estimate_beam_mesh_error=False))
     assert result.converged
     assert result.equilibrium.force_residual < 2e-14

@@ -15,11 +15,11 @@ from rollbench.compare.scenes.scene_file import read_scene_file
 from rollbench.lowfi.rating.rigidity import axial_force
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.held import describe_motion, opening_motion
+from rollbench.lowfi.statics.held import describe_motion, find_opening_motion
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.lowfi.statics.static import runaway_status, solve_static
+from rollbench.lowfi.statics.static import solve_static, status_of_runaway_screw
 from rollbench.lowfi.statics.tangent import tangent_stiffness
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, SideErrors, Support
 
@@ -37,7 +37,7 @@ def solved(number, engine):
 
 def problem_of(scene):
     layout = ball_layout(scene)
-    return build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    return build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
 
 
 @pytest.mark.parametrize("number", [3182, 90])
@@ -49,8 +49,8 @@ def test_both_engines_find_the_same_loads(number):
     for result in (compiled, interpreted):
         assert result.equilibrium.largest < 1e-9
     problem = problem_of(read(number))
-    assert opening_motion(problem) is None, "loads of compressive forces are not called unheld"
-    assert runaway_status(problem).startswith("not converged")
+    assert find_opening_motion(problem) is None, "loads of compressive forces are not called unheld"
+    assert status_of_runaway_screw(problem).startswith("not converged")
 
 
 def test_a_load_that_opens_every_contact_is_proven():
@@ -58,12 +58,12 @@ def test_a_load_that_opens_every_contact_is_proven():
     scene = small_screw(8, fixed=tuple((name, 0.0) for name in ("uy", "uz", "rx", "ry", "rz")))
     alone = replace(scene, balls=replace(scene.balls, azimuths=(0.0,)))
     pulled = replace(alone, loads=(Load(scene.nut.position, (-5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
-    motion = opening_motion(problem_of(pulled))
+    motion = find_opening_motion(problem_of(pulled))
     assert motion[0] < 0.0
     assert "ux" in describe_motion(motion)
-    assert runaway_status(problem_of(pulled)).startswith("not held: the load opens every contact")
+    assert status_of_runaway_screw(problem_of(pulled)).startswith("not held: the load opens every contact")
     pushed = replace(alone, loads=(Load(scene.nut.position, (5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
-    assert opening_motion(problem_of(pushed)) is None
+    assert find_opening_motion(problem_of(pushed)) is None
 
 
 def test_a_ball_on_one_contact_is_no_equilibrium():

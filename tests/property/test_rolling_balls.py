@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair, screw_pair
 
-from rollbench.hifi.rolling.balls import Choices, copy_without_ball_to_ball_contacts, solve_rigid_rolling, solve_rolling
-from rollbench.hifi.rolling.kinematics import Track, ball_to_ball_contact
+from rollbench.hifi.rolling.balls import (
+    RollingSettings,
+    copy_without_ball_to_ball_contacts,
+    solve_rigid_rolling,
+    solve_rolling,
+)
+from rollbench.hifi.rolling.kinematics import TrackMotion, ball_to_ball_contact
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import solve_pair
+from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls
 
-COARSE = Choices(shape=(10, 12))
+COARSE = RollingSettings(grid_shape=(10, 12))
 SCENES = {"linear": linear_pair(), "screw": screw_pair()}
 
 
@@ -20,20 +25,20 @@ def test_forces_and_moments_balance_and_power_is_lost(name):
     scene = SCENES[name]
     found = solve_rolling(scene, COARSE)
     assert found.converged
-    assert found.power == pytest.approx(found.loss + found.upwind, rel=1e-9)
-    assert found.upwind < 0.002 * found.power
-    pair = scene.meetings[0]
-    for ball, sign in ((pair.one, 1.0), (pair.two, -1.0)):
-        frame = scene.balls[ball].frame
-        arm = sign * scene.radius * (frame @ pair.axes[0])
-        moment = found.wrench[ball, 3:] + np.cross(arm, found.between[ball])
-        assert np.abs(moment).max() < 1e-9 * scene.radius
-        forward = scene.track.forward / scene.track.length
-        along = (found.wrench[ball, :3] + found.between[ball]) @ forward
-        twist = moment @ scene.track.axis / scene.track.length
+    assert found.driving_power == pytest.approx(found.friction_loss + found.numerical_dissipation, rel=1e-9)
+    assert found.numerical_dissipation < 0.002 * found.driving_power
+    pair = scene.ball_to_ball_contacts[0]
+    for ball, sign in ((pair.first_ball, 1.0), (pair.second_ball, -1.0)):
+        frame = scene.balls[ball].axes
+        arm = sign * scene.ball_radius * (frame @ pair.axes[0])
+        moment = found.groove_friction_wrenches[ball, 3:] + np.cross(arm, found.forces_by_neighbours[ball])
+        assert np.abs(moment).max() < 1e-9 * scene.ball_radius
+        forward = scene.track.centre_velocity / scene.track.centre_speed
+        along = (found.groove_friction_wrenches[ball, :3] + found.forces_by_neighbours[ball]) @ forward
+        twist = moment @ scene.track.rotation_axis / scene.track.centre_speed
         assert abs(along + twist) < 1e-9
-    assert found.force[0] > 0.0
-    closing = (pair.rows @ found.friction.motions[pair.columns])[0]
+    assert found.ball_to_ball_forces[0] > 0.0
+    closing = (pair.speeds_by_ball_motions @ found.friction_solution.motions[pair.motion_indices])[0]
     assert abs(closing) < 1e-12
 
 
@@ -41,69 +46,77 @@ def test_mated_grooves_keep_the_balls_apart_without_force_and_balls_that_part_do
     """Case (b) of Lin 3.3.4: opposite contacts stay opposite; zero by symmetry, to round-off."""
     scene = linear_pair(mated=True)
     free = solve_rolling(copy_without_ball_to_ball_contacts(scene), COARSE)
-    assert abs(free.speed[0] - free.speed[1]) < 1e-12 * free.speed[0]
-    assert solve_rolling(scene, COARSE).force[0] < 1e-9
+    assert abs(free.track_speeds[0] - free.track_speeds[1]) < 1e-12 * free.track_speeds[0]
+    assert solve_rolling(scene, COARSE).ball_to_ball_forces[0] < 1e-9
     parting = solve_rolling(linear_pair(rho=0.6), COARSE)
-    assert parting.force[0] == 0.0
-    assert parting.speed[0] < parting.speed[1]
+    assert parting.ball_to_ball_forces[0] == 0.0
+    assert parting.track_speeds[0] < parting.track_speeds[1]
 
 
 def test_mirrored_pair_has_the_same_force_and_speed_sets_the_scale_of_motion_only():
     """Side forces and angle deviations the other way round: the section's mirror image."""
     scenes = linear_pair(), linear_pair(-2.0, 0.6), linear_pair(speed=1.0)
     one, mirror, fast = (solve_rolling(scene, COARSE) for scene in scenes)
-    assert [mirror.force[0], fast.force[0]] == pytest.approx([one.force[0]] * 2, rel=1e-9)
-    assert mirror.loss == pytest.approx(one.loss, rel=1e-9)
-    assert fast.speed == pytest.approx(100.0 * one.speed, rel=1e-9)
+    assert [mirror.ball_to_ball_forces[0], fast.ball_to_ball_forces[0]] == pytest.approx(
+        [one.ball_to_ball_forces[0]] * 2, rel=1e-9
+    )
+    assert mirror.friction_loss == pytest.approx(one.friction_loss, rel=1e-9)
+    assert fast.track_speeds == pytest.approx(100.0 * one.track_speeds, rel=1e-9)
 
 
 def test_turned_frame_changes_nothing():
     scene = linear_pair()
     turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [-1.0, 0.3, 2.0], [0.4, 1.0, -2.0]]))[0]
     turn *= np.sign(np.linalg.det(turn))
-    balls = tuple(replace(b, touches=tuple(replace(t, normal=turn @ t.normal) for t in b.touches)) for b in scene.balls)
-    track = Track(turn @ scene.track.axis, turn @ scene.track.forward)
+    balls = tuple(
+        replace(b, touches=tuple(replace(t, normal=turn @ t.contact_normal) for t in b.groove_contacts))
+        for b in scene.balls
+    )
+    track = TrackMotion(turn @ scene.track.rotation_axis, turn @ scene.track.centre_velocity)
     line = turn @ np.array([0.0, 0.0, 1.0])
     turned = replace(
         scene,
         balls=balls,
         track=track,
-        meetings=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),),
+        meetings=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.ball_radius),),
     )
     one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
-    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
-    assert two.rotation @ turn == pytest.approx(one.rotation, rel=1e-7, abs=1e-9)
+    assert two.ball_to_ball_forces[0] == pytest.approx(one.ball_to_ball_forces[0], rel=1e-9)
+    assert two.rotations @ turn == pytest.approx(one.rotations, rel=1e-7, abs=1e-9)
 
 
 def test_left_hand_screw_is_the_mirror_image():
     one, two = screw_pair(), screw_pair(lead=-20e-3)
     balls = tuple(
-        replace(b, touches=tuple(replace(t, load=b.touches[k ^ 1].load) for k, t in enumerate(b.touches)))
+        replace(
+            b,
+            touches=tuple(replace(t, load=b.groove_contacts[k ^ 1].contact_force) for k, t in enumerate(b.groove_contacts)),
+        )
         for b in two.balls
     )
     # mirrored, the second ball is still ahead in the sense of growing azimuth
     found, mirror = solve_rolling(one, COARSE), solve_rolling(replace(two, balls=balls), COARSE)
-    assert mirror.force[0] == pytest.approx(found.force[0], rel=1e-6)
-    assert mirror.loss == pytest.approx(found.loss, rel=1e-6)
+    assert mirror.ball_to_ball_forces[0] == pytest.approx(found.ball_to_ball_forces[0], rel=1e-6)
+    assert mirror.friction_loss == pytest.approx(found.friction_loss, rel=1e-6)
 
 
 def test_rigid_limit_is_the_low_order_model():
     """Rigid bodies on flat contacts: the low-order model's numbers at the same loads; grids of nearly rigid ones get
     there."""
     bearing = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 210e9, 0.28)
-    low = solve_pair(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
+    low = solve_pair_of_linear_balls(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
     limit = solve_rigid_rolling(linear_pair(), curved=False)
-    assert limit.remainder < 1e-5
-    assert limit.force[0] == pytest.approx(low.force, rel=3e-4)
-    assert limit.loss == pytest.approx(low.touching.loss, rel=1e-4)
-    assert limit.speed == pytest.approx(low.touching.velocity, rel=1e-5)
-    found = solve_rolling(linear_pair(), Choices((16, 24), 0.01, curved=False))
-    assert found.force[0] == pytest.approx(limit.force[0], rel=0.03)
-    assert found.loss == pytest.approx(limit.loss, rel=0.01)
+    assert limit.smoothing_error < 1e-5
+    assert limit.ball_to_ball_forces[0] == pytest.approx(low.ball_to_ball_force, rel=3e-4)
+    assert limit.friction_loss == pytest.approx(low.touching.loss, rel=1e-4)
+    assert limit.track_speeds == pytest.approx(low.touching.velocity, rel=1e-5)
+    found = solve_rolling(linear_pair(), RollingSettings((16, 24), 0.01, curved_contacts=False))
+    assert found.ball_to_ball_forces[0] == pytest.approx(limit.ball_to_ball_forces[0], rel=0.03)
+    assert found.friction_loss == pytest.approx(limit.friction_loss, rel=0.01)
 
 
 def test_a_ball_without_contacts_is_refused():
     scene = linear_pair()
-    bare = replace(scene.balls[0], touches=tuple(replace(t, load=0.0) for t in scene.balls[0].touches))
+    bare = replace(scene.balls[0], touches=tuple(replace(t, load=0.0) for t in scene.balls[0].groove_contacts))
     with pytest.raises(ValueError, match="loaded contact"):
         solve_rolling(replace(scene, balls=(bare, scene.balls[1])), COARSE)

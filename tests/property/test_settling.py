@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from rollbench.compare.measure import load_error
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.store import measuring_conditions
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import scene_file
 from rollbench.hifi import reference
 from rollbench.lowfi.statics.nominal import nominal_contacts
@@ -36,15 +36,15 @@ def test_loads_settle_in_few_rounds_and_the_refined_model_is_near(
 
     def counted(*given: object, **named: object) -> reference.ReferenceResult:
         found = solve(*given, **named)  # type: ignore[arg-type]
-        updates.append(found.updates)
+        updates.append(found.normal_update_count)
         return found
 
     monkeypatch.setattr(reference, "solve_reference", counted)
     scene = scene_file.read_scene_file(SCENES / f"{name}.toml")
-    (run,) = compute_runs(Task((scene,), level))
+    (run,) = compute_reference_runs(ReferenceTask((scene,), level))
     assert (run.status, run.moving, run.measured) == ("converged", 0.0, measuring_conditions())
     assert max(updates) <= 4
-    low = run_model(scene, "refined", Options(discretisation=False))
+    low = run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False))
     error = load_error(low.load, run.load, nominal_contacts(scene))
     assert error.max_percent < 1.5, error
     assert error.rms_percent < 0.5, error

@@ -12,7 +12,13 @@ from rollbench.compare.errors import InputError
 from rollbench.compare.reference.tasks import flanks_to_mesh, mesh_settings
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.studies import survey
-from rollbench.compare.studies.survey import SCENES, SEED, features_that_affect_model_error, scene_text, survey_screw
+from rollbench.compare.studies.survey import (
+    SCENES,
+    SEED,
+    random_screw_scene_text,
+    screw_properties_for_record,
+    survey_screw,
+)
 from rollbench.compare.studies.sweep import sample
 from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import estimate_contacts_of_scene
@@ -25,9 +31,9 @@ SMALL = (69, 136)
 
 
 def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
-    texts = [scene_text(SEED, number) for number in range(10)]
+    texts = [random_screw_scene_text(SEED, number) for number in range(10)]
     assert hashlib.sha256("".join(texts).encode()).hexdigest()[:12] == "ffc9f89ec506"
-    found = [features_that_affect_model_error(scene_file.scene_from_text(text, "survey.toml")) for text in texts]
+    found = [screw_properties_for_record(scene_file.scene_from_text(text, "survey.toml")) for text in texts]
     ends = np.array([[r["low_face_radii"], r["high_face_radii"]] for r in found])
     assert ((ends > 1.0) & (ends < 6.1)).all()
     assert {r["starts"] for r in found} == {1, 2}
@@ -37,19 +43,19 @@ def test_the_drawing_is_the_same_for_ever_and_can_be_read() -> None:
 @pytest.mark.parametrize("number", [38, 54])
 def test_a_flank_that_may_touch_has_its_opposite_prepared(number: int) -> None:
     """Three flanks are expected to touch: bodies are condensed to pairs of opposite ones."""
-    scene = scene_file.scene_from_text(scene_text(SEED, number), "survey.toml")
+    scene = scene_file.scene_from_text(random_screw_scene_text(SEED, number), "survey.toml")
     sides = flanks_to_mesh(scene)
-    assert len(estimate_contacts_of_scene(scene).sides()) == 3
+    assert len(estimate_contacts_of_scene(scene).nearly_touching_flanks()) == 3
     assert {3 - side for side in sides} == set(sides)
 
 
 @pytest.mark.parametrize("number", [2, 6, 66, 89, 130, 154, 194])
 def test_balls_at_the_face_find_room_for_their_sockets(number: int) -> None:
     """Outermost balls 1.00 to 1.13 ball radii from a face: a lip of a tenth of a millimetre beside some contacts."""
-    scene = scene_file.scene_from_text(scene_text(SEED, number), "survey.toml")
-    assert 1.0 <= features_that_affect_model_error(scene)["low_face_radii"] < 1.14
+    scene = scene_file.scene_from_text(random_screw_scene_text(SEED, number), "survey.toml")
+    assert 1.0 <= screw_properties_for_record(scene)["low_face_radii"] < 1.14
     settings = mesh_settings([scene], 1)
-    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    m, layout = GrooveMap.from_scene(scene), ball_layout(scene)
     size = choose_socket_size(scene, m, layout, flanks_to_mesh(scene), dimensions_of_3d_parts(scene), settings)
     assert size.gamma * m.radius.min() >= settings.reach[0]
     assert size.phi * m.R >= settings.reach[1]
@@ -76,7 +82,7 @@ def test_an_interrupted_survey_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     assert [r["number"] for r in records] == [0, 1, 2]
     assert [r["number"] for r in survey.records_without_converged_loads(records)] == [0]
     assert "[1/3] scene 0: refused, 1 s" in said
-    assert json.loads(survey.survey_json(SEED, records))["scenes"] == records
+    assert json.loads(survey.survey_records_as_json(SEED, records))["scenes"] == records
     with pytest.raises(InputError, match="another sweep"):
         survey.solve_screws_of_survey(SEED + 1, 3, tmp_path / "out", 1, said.append)
 
@@ -91,11 +97,13 @@ def test_a_kept_record_is_not_solved_again(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(survey, "survey_screw", fake)
     kept = tmp_path / "survey.json"
     rows = [{"number": k, "version": survey.__version__, "status": s} for k, s in enumerate(("converged", "refused"))]
-    kept.write_text(survey.survey_json(SEED, rows))
+    kept.write_text(survey.survey_records_as_json(SEED, rows))
     records = survey.solve_screws_of_survey(SEED, 3, tmp_path / "out", 1, lambda _: None, kept)
     assert done == [1, 2]
     assert records[0] == rows[0]
-    kept.write_text(survey.survey_json(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"'))
+    kept.write_text(
+        survey.survey_records_as_json(SEED, rows).replace(f'"version": "{survey.__version__}"', '"version": "0.1"')
+    )
     survey.solve_screws_of_survey(SEED, 3, tmp_path / "other", 1, lambda _: None, kept)
     assert done == [1, 2, 0, 1, 2]
 
@@ -104,7 +112,9 @@ def test_the_summary_counts_sizes_of_errors_with_an_answer() -> None:
     def row(status: str, error: float) -> dict[str, object]:
         return {"number": 0, "status": status, "models": {"refined": {"largest_percent": error, "rigidity_percent": None}}}
 
-    (found,) = survey.error_summary_of_all_models([row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)])
+    (found,) = survey.error_summary_rows_of_all_models(
+        [row("converged", -1.0), row("converged", 3.0), row("not settled", 9.0)]
+    )
     assert (found["model"], found["error"], found["scenes"], found["median"]) == ("refined", "largest_percent", 2, 2.0)
     assert (found["p95"], found["largest"]) == (pytest.approx(2.9), 3.0)
     assert len(found) == 6
@@ -117,8 +127,8 @@ def test_the_command_prints_what_has_no_answer_and_keeps_the_record(
     monkeypatch.setattr(survey, "solve_screws_of_survey", lambda *_: records)
     keep = tmp_path / "survey.json"
     found = solve_drawn_screws(2, tmp_path, 1, keep)
-    assert found.code == 1
-    assert list(found.parts)[-2:] == ["1 of 2 scenes have a result", "scene 1: not settled: 1 N"]
+    assert found.exit_code == 1
+    assert list(found.texts_and_tables)[-2:] == ["1 of 2 scenes have a result", "scene 1: not settled: 1 N"]
     assert json.loads(keep.read_text())["scenes"] == records
     with pytest.raises(InputError, match="survey: "):
         solve_drawn_screws(SCENES + 1, tmp_path, 1, None)

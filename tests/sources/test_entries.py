@@ -9,7 +9,7 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import keys, of_source
 
 from rollbench.compare.evidence import computations_with_function, evidence, misprint_rows
-from rollbench.compare.gate.gate import check_of_printed_entry
+from rollbench.compare.gate.gate import gate_check_of_published_entry
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -34,7 +34,7 @@ def test_every_entry_has_one_finding_and_one_verdict(source):
     found = evidence(STUDY, *names)
     assert Counter(f"{f.printed.table}:{f.printed.key}" for f in found) == Counter(keys(*names))
     counted = {kind: of[source] for kind, of in COUNTS.items() if source in of}
-    assert Counter((f.printed.cls, f.verdict) for f in found) == counted
+    assert Counter((f.printed.entry_class, f.verdict) for f in found) == counted
 
 
 def wrong(e):
@@ -50,15 +50,19 @@ def wrong(e):
 
 @pytest.mark.parametrize("source", ["external", "kalker", "lin", "liu", "smith"])
 def test_a_value_off_by_twice_its_tolerance_changes_the_verdict(source):
-    judged = [e for e in evidence(STUDY, *of_source(source)) if e.printed.cls != "open" and e.agrees is not None]
+    judged = [
+        e
+        for e in evidence(STUDY, *of_source(source))
+        if e.printed.entry_class != "open" and e.agrees_with_printed is not None
+    ]
     assert len(judged) == SHIFTED[source]
-    assert [e.printed.name for e in judged for other in wrong(e) if not other.change] == []
+    assert [e.printed.name for e in judged for other in wrong(e) if not other.verdict_change] == []
 
 
 @pytest.mark.parametrize("source", ["liu", "smith"])
 def test_gate_passes_on_what_it_holds(source):
-    found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.cls in ("hard", "as-printed", "input")]
-    assert all(check_of_printed_entry(f, 7.0).passed for f in found)
+    found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.entry_class in ("hard", "as-printed", "input")]
+    assert all(gate_check_of_published_entry(f, 7.0).passed for f in found)
 
 
 def test_misprints_have_evidence():

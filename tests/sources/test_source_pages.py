@@ -32,7 +32,7 @@ def shown(source):
 
 @pytest.mark.parametrize("source", PAGES)
 def test_every_printed_number_is_shown(source):
-    numbers = [f.printed.printed for f in evidence(STUDY, *of_source(source)) if not f.printed.claim]
+    numbers = [f.printed.number_as_printed for f in evidence(STUDY, *of_source(source)) if not f.printed.claim]
     cells = [value for row in shown(source) for key, value in row.items() if key.startswith("printed")]
     listed = Counter(str(cell).split(" ")[0] for cell in cells)
     assert {number: n for number, n in Counter(numbers).items() if listed[number] < n} == {}
@@ -40,8 +40,8 @@ def test_every_printed_number_is_shown(source):
 
 @pytest.mark.parametrize("source", PAGES)
 def test_a_row_has_the_value_and_the_verdict_of_the_judge(source):
-    found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.cls != "input" and not f.printed.claim]
-    verdicts = {(f.printed.printed, f.verdict) for f in found}
+    found = [f for f in evidence(STUDY, *of_source(source)) if f.printed.entry_class != "input" and not f.printed.claim]
+    verdicts = {(f.printed.number_as_printed, f.verdict) for f in found}
     values = [f.value for f in found if f.value is not None]
     rows = [row for row in shown(source) if isinstance(row.get("right"), float) and row["verdict"] != "input"]
     assert len(rows) > 20

@@ -16,46 +16,51 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare import files
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table, printed_entry
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table, printed_entry
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.hifi.rolling.patch import solve_elastic_contact_on_grid
 from rollbench.hifi.rolling.verification import (
     Creep,
-    OnsetStep,
+    RollingOnsetStep,
     simulate_rolling_onset,
     solve_steady_rolling_for_creepages,
     solve_steady_rolling_like_kalker,
 )
 from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
-    BallRow,
+    BallBearingRow,
     bearing_of_contact_angle,
     bearing_state_at_displacement,
     relative_curvatures,
 )
-from rollbench.lowfi.bearings.axis import BearingSet, equal_rows_with_preload, lift_off_force, solve_set_equilibrium
+from rollbench.lowfi.bearings.axis import (
+    BearingRows,
+    equal_rows_with_preload,
+    lift_off_force,
+    solve_bearing_row_equilibrium,
+)
 from rollbench.lowfi.bearings.tapered_roller import load_zone_integrals
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.lowfi.rating.life import (
     PARTING,
     basic_rating_life,
+    cubic_mean_force,
     dynamic_rating,
+    equivalent_load_factors,
     forces_on_halves,
     life_by_equivalent_loads,
-    mean_force,
-    radial_and_axial_factors,
 )
 from rollbench.lowfi.rating.rigidity import (
     axial_compliance_of_bodies,
-    axial_displacement,
     axial_force,
     displacement_by_contacts_only,
+    screw_displacement_at_nut,
 )
 from rollbench.lowfi.statics.result import AxisResult, SetResult
 from rollbench.meshes.axis import Assembly
@@ -67,23 +72,23 @@ from rollbench.meshes.units import parse_quantity
 PREFIX = "external-"
 
 
-def read_inputs() -> dict[str, Any]:
+def read_external_inputs() -> dict[str, Any]:
     """Read the inputs of all external cases from ``cases.toml``, by name of the case; quantities with units remain text."""
     return files.read_shipped_toml("cases/external/cases.toml")
 
 
-def read_input(case: str, key: str, quantity: str) -> float:
+def read_external_input(case: str, key: str, quantity: str) -> float:
     """Read one input of an external case and convert it to SI units.
 
     ``case``: name of the case; ``key``: name of the input; ``quantity``: kind of quantity, such as "force" or "length".
     Raises KeyError for an unknown case or key.
     """
-    return parse_quantity(read_inputs()[case][key], quantity)
+    return parse_quantity(read_external_inputs()[case][key], quantity)
 
 
-def assumptions_by_case() -> dict[str, tuple[str, ...]]:
+def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
     """Return as sentences the assumptions of each external case that has no scene file, by name of the case."""
-    return {name: tuple(table["assumed"]) for name, table in read_inputs().items() if "assumed" in table}
+    return {name: tuple(table["assumed"]) for name, table in read_external_inputs().items() if "assumed" in table}
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
@@ -97,20 +102,20 @@ def shipped_shaft_scene(name: str) -> Assembly:
     return found
 
 
-def solve_bearing(study: Study, name: str) -> tuple[AxisResult, SetResult]:
+def solve_shaft_and_bearing_row(cache: SceneResultCache, name: str) -> tuple[AxisResult, SetResult]:
     """Solve the scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
 
-    ``study``: caches the result, so that each scene is solved once; ``name``: NAME, such as "masta-radial". Returns the
+    ``cache``: caches the result, so that each scene is solved once; ``name``: NAME, such as "masta-radial". Returns the
     result of the shaft, then the result of its bearing row.
     """
-    result = study.compute_once(_solve_shaft_scene, name)
+    result = cache.compute_once(_solve_shaft_scene, name)
     return result, result.sets[0]
 
 
-def _solve_shaft_scene(study: Study, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
+def _solve_shaft_scene(cache: SceneResultCache, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
     """Solve the scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
 
-    ``study``: not used; ``name``: NAME, such as "masta-radial".
+    ``cache``: not used; ``name``: NAME, such as "masta-radial".
     """
     result = run_model(shipped_shaft_scene(name), "lin")
     if not result.converged:
@@ -134,63 +139,63 @@ def _shaft_displacement_at(found: AxisResult, station: float, freedom: str) -> f
     return float(found.centreline[place, FREEDOMS.index(freedom)])
 
 
-def deep_groove_bearing(findings: Findings, study: Study) -> None:
+def deep_groove_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute displacements and lives of the deep-groove ball bearing that was also computed by the program MASTA.
 
     The rings are rigid, and the inner ring moves along each load only. Lives refer to the load rating that MASTA was given.
-    ``findings``: receives the computed value to compare with each published number; ``study``: gives the solved scenes.
+    ``findings``: receives the computed value to compare with each published number; ``cache``: gives the solved scenes.
     """
-    rated = read_input("masta", "rating", "force")
+    rated = read_external_input("masta", "rating", "force")
     for key, name, freedom, unit in (
         ("radial", "masta-radial", "ux", 1e6),
         ("axial", "masta-axial", "uz", 1e6),
         ("tilt", "masta-moment", "ry", 1e3),
     ):
-        result, ring = solve_bearing(study, name)
-        findings.number(key, unit * _shaft_displacement_at(result, ring.of.position, freedom))
+        result, ring = solve_shaft_and_bearing_row(cache, name)
+        findings.add_number(key, unit * _shaft_displacement_at(result, ring.of.position, freedom))
         assert ring.balls is not None
         assert isinstance(ring.of.parts, Scene)
         found = basic_rating_life(ring.of.parts, ring.balls.load)
         assert found is not None
-        findings.number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
+        findings.add_number(f"{key}_life", found.revolutions * (rated / found.rating) ** 3)
 
 
-def bearing_218(findings: Findings, study: Study) -> None:
+def bearing_218(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute contact angle, displacement and ball load of the textbooks' 218 bearing under thrust (Jones, Harris).
 
-    ``findings``: receives the computed value to compare with each published number; ``study``: gives the solved scenes.
+    ``findings``: receives the computed value to compare with each published number; ``cache``: gives the solved scenes.
     """
-    result, ring = solve_bearing(study, "harris-218")
+    result, ring = solve_shaft_and_bearing_row(cache, "harris-218")
     assert ring.balls is not None
     angle, moved = (
         float(np.degrees(ring.balls.contact_angle[0, 0])),
         1e6 * _shaft_displacement_at(result, ring.of.position, "uz"),
     )
-    findings.number("angle", angle)
-    findings.number("angle_quoted", angle)
-    findings.number("displacement", moved)
-    findings.number("displacement_quoted", moved)
-    findings.number("ball_load", float(ring.balls.load[:, 0].mean()))
+    findings.add_number("angle", angle)
+    findings.add_number("angle_quoted", angle)
+    findings.add_number("displacement", moved)
+    findings.add_number("displacement_quoted", moved)
+    findings.add_number("ball_load", float(ring.balls.load[:, 0].mean()))
 
 
-def half_load_zone(findings: Findings, study: Study) -> None:
+def half_load_zone(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the load distribution of a bearing whose load zone is half the circumference (Sjövall).
 
     The ball loads are computed with a row of many balls, the thrust by load-distribution integrals. ``findings``: receives
-    the computed value to compare with each published number; ``study``: gives the solved scenes.
+    the computed value to compare with each published number; ``cache``: gives the solved scenes.
     """
     for key, name in (("radial", "sjovall-radial"), ("combined", "sjovall-combined")):
-        ring = solve_bearing(study, name)[1]
+        ring = solve_shaft_and_bearing_row(cache, name)[1]
         assert ring.balls is not None
         across = shipped_shaft_scene(name).loads[0].force[0]
         load, rest = ring.balls.load[:, 0], ring.balls.contact_angle[:, 0]
         top = int(load.argmax())
         # a ball of the deep groove carries the same force at both its contacts: the inner one counts
-        findings.number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
+        findings.add_number(key, float(load[top]) * load.size * float(np.cos(rest[top])) / across)
         if key == "combined":
-            findings.number("loaded", float(np.count_nonzero(load > 0.0)))
+            findings.add_number("loaded", float(np.count_nonzero(load > 0.0)))
     zone = load_zone_integrals(0.5, 1.5)
-    findings.number("thrust", zone.axial / zone.radial)
+    findings.add_number("thrust", zone.thrust_integral / zone.radial_integral)
 
 
 def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> BallBearing:
@@ -200,14 +205,17 @@ def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float
     and number of balls; ``conformity``: groove radius over ball diameter.
     """
     d_m, d_w, balls = row[:3]
-    angle, young = read_input(case, "contact_angle", "angle"), read_input(case, "youngs_modulus", "pressure")
-    poisson = float(read_inputs()[case]["poissons_ratio"])
+    angle, young = (
+        read_external_input(case, "contact_angle", "angle"),
+        read_external_input(case, "youngs_modulus", "pressure"),
+    )
+    poisson = float(read_external_inputs()[case]["poissons_ratio"])
     return bearing_of_contact_angle(int(balls), 1e-3 * d_w, 1e-3 * d_m, (conformity, conformity), angle, young, poisson)
 
 
-def _preloaded_pair(bearing: BallBearing, preload: float) -> BearingSet:
+def _preloaded_bearing_pair(bearing: BallBearing, preload: float) -> BearingRows:
     """Return a pair of opposed bearings, preloaded against each other by the axial force ``preload`` [N]."""
-    return equal_rows_with_preload(BallRow(bearing), (1, -1), preload)
+    return equal_rows_with_preload(BallBearingRow(bearing), (1, -1), preload)
 
 
 @cache
@@ -217,8 +225,8 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
     ``name``: size of the bearing; ``preload_class``: preload class "light", "medium" or "strong"; ``conformity``: groove
     radius over ball diameter.
     """
-    row = read_inputs()["gmn"]["rows"][name]
-    one = BallRow(_bearing_of_catalogue_row("gmn", row, conformity))
+    row = read_external_inputs()["gmn"]["rows"][name]
+    one = BallBearingRow(_bearing_of_catalogue_row("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(preload_class)])))
 
 
@@ -228,26 +236,26 @@ def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int,
     There is one ratio for each of the n sizes of bearing; ``conformity``: groove radius over ball diameter.
     """
     out = []
-    for name in read_inputs()["gmn"]["rows"]:
+    for name in read_external_inputs()["gmn"]["rows"]:
         printed = [printed_entry("external-gmn", f"{name}_{which}").value or np.nan for which in ("light", "strong")]
         ours = [gmn_pair_rigidity(name, which, conformity) for which in ("light", "strong")]
         out.append(ours[1] / ours[0] * printed[0] / printed[1])
     return np.array(out)
 
 
-def gmn_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def gmn_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the rigidities printed in GMN's catalogue for preloaded pairs of a series of spindle bearings.
 
     ``findings``: receives the computed rigidity to compare with each printed one, and whether the claim on their growth
-    with preload holds. ``study``: not used here.
+    with preload holds. ``cache``: not used here.
     """
-    inferred = float(read_inputs()["gmn"]["conformity"])
-    for name in read_inputs()["gmn"]["rows"]:
+    inferred = float(read_external_inputs()["gmn"]["conformity"])
+    for name in read_external_inputs()["gmn"]["rows"]:
         for which in CLASSES:
-            findings.number(f"{name}_{which}", gmn_pair_rigidity(name, which, inferred))
+            findings.add_number(f"{name}_{which}", gmn_pair_rigidity(name, which, inferred))
     middle = {c: float(np.median(gmn_rigidity_growth_over_printed(c))) for c in (*ANY, inferred)}
     words = ", ".join(f"{m:.3f} at conformity {c:g}" for c, m in middle.items())
-    findings.claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
+    findings.add_claim("growth", all(abs(float(error_percent(m, 1.0))) <= 2.0 for m in middle.values()), f"median {words}")
 
 
 def gmn_rigidity_rms_error_percent() -> float:
@@ -255,33 +263,39 @@ def gmn_rigidity_rms_error_percent() -> float:
 
     Only printed values of class "band" count, whose agreement is judged within a stated tolerance band.
     """
-    inferred = float(read_inputs()["gmn"]["conformity"])
-    rows = [(r.key.rsplit("_", 1), r.value) for r in load_table("external-gmn") if r.cls == "band" and r.value is not None]
+    inferred = float(read_external_inputs()["gmn"]["conformity"])
+    rows = [
+        (r.key.rsplit("_", 1), r.value)
+        for r in load_printed_table("external-gmn")
+        if r.entry_class == "band" and r.value is not None
+    ]
     off = [float(error_percent(gmn_pair_rigidity(name, which, inferred), value)) for (name, which), value in rows]
     return float(np.sqrt(np.mean(np.square(off))))
 
 
-def snfa_rigidities(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
     The catalogue's formulas assume constant contact angles, from which the values "as printed" are computed; in the correct
-    values, the angles change under load. ``findings``: receives both values to compare with each printed number. ``study``:
+    values, the angles change under load. ``findings``: receives both values to compare with each printed number. ``cache``:
     not used here.
     """
-    case = read_inputs()["snfa"]
-    row = [1e3 * read_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
+    case = read_external_inputs()["snfa"]
+    row = [1e3 * read_external_input("snfa", k, "length") for k in ("pitch_diameter", "ball_diameter")]
     bearing = _bearing_of_catalogue_row("snfa", [*row, case["balls"]], float(case["conformity"]))
     loads = [parse_quantity(text, "force") for text in case["preloads"]]
-    right = [1e-6 * solve_set_equilibrium(_preloaded_pair(bearing, p)).stiffness for p in loads]
+    right = [1e-6 * solve_bearing_row_equilibrium(_preloaded_bearing_pair(bearing, p)).stiffness for p in loads]
     still = [1e-6 * pair_rigidity_at_constant_angle(bearing, p) for p in loads]
     for name, value, at in zip(("light", "medium", "heavy"), right, still, strict=True):
-        findings.number(f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}")
+        findings.add_number(
+            f"rigidity_{name}", value, f"{at:.1f} N/um at a constant angle, conformity {case['conformity']:g}"
+        )
     growth = right[-1] / right[0]
     words = f"{growth / (still[-1] / still[0]):.2f} times that at a constant angle: a bearing that may turn stiffens faster"
-    findings.number("growth", growth, words, as_printed=still[-1] / still[0])
-    off = lift_off_force(_preloaded_pair(bearing, loads[-1])) / loads[-1]
+    findings.add_number("growth", growth, words, as_printed=still[-1] / still[0])
+    off = lift_off_force(_preloaded_bearing_pair(bearing, loads[-1])) / loads[-1]
     words = f"at {loads[-1]:g} N; the angle turns, and the pair holds together longer"
-    findings.number("lift_off", off, words, as_printed=lift_off_over_preload_at_constant_angle())
+    findings.add_number("lift_off", off, words, as_printed=lift_off_over_preload_at_constant_angle())
 
 
 def pair_rigidity_at_constant_angle(bearing: BallBearing, preload: float) -> float:
@@ -292,7 +306,7 @@ def pair_rigidity_at_constant_angle(bearing: BallBearing, preload: float) -> flo
     """
     rest = bearing_state_at_displacement(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
-    u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
+    u = float(rest.inner_hertz.C + rest.outer_hertz.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
     return 3.0 * preload / u
 
 
@@ -316,7 +330,7 @@ def mean_speed_of_duty_cycle(case: str) -> float:
 
     ``case``: name of the example in ``cases.toml``.
     """
-    given = read_inputs()[case]
+    given = read_external_inputs()[case]
     phases = zip(given["speeds"], given["time"], strict=True)
     cases = [f'[[cases]]\nname = "p{k}"\nspeed = "{n} rpm"\ntime = "{t} s"\n' for k, (n, t) in enumerate(phases)]
     cycle = scene_file.parse_scene("\n".join([catalogue.shipped_scene_text(SCENE), *cases]), SCENE)
@@ -330,22 +344,22 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 
     ``case``: name of the example in ``cases.toml``.
     """
-    given = read_inputs()[case]
+    given = read_external_inputs()[case]
     turned = np.array(given["speeds"], dtype=float) * np.array(given["time"], dtype=float)
-    return float(given.get("factor", 1.0)) * mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
+    return float(given.get("factor", 1.0)) * cubic_mean_force(turned / turned.sum(), np.array(given["forces"], dtype=float))
 
 
-def equivalent_loads(findings: Findings, study: Study) -> None:
+def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute makers' examples of equivalent loads of ball nuts, and ISO 281's factors for those of bearings.
 
     The examples are mean forces of duty cycles, and forces and life of both halves of a preloaded nut; the factors are e, X
     and Y. ``findings``: receives the computed value to compare with each printed
-    number; ``study``: gives the scenes included with rollbench.
+    number; ``cache``: gives the scenes included with rollbench.
     """
     for key, case in EXAMPLES.items():
-        findings.number(key, equivalent_force_of_duty_cycle(case))
-    findings.number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
-    findings.number("parting", PARTING)
+        findings.add_number(key, equivalent_force_of_duty_cycle(case))
+    findings.add_number("speed_rexroth", mean_speed_of_duty_cycle("rexroth"))
+    findings.add_number("parting", PARTING)
     force = np.linspace(0.0, PARTING, 50)
     loaded, other = forces_on_halves(force, 1.0)
     lower = error_percent((1.0 + force / ROUNDED) ** 1.5, loaded)
@@ -353,17 +367,17 @@ def equivalent_loads(findings: Findings, study: Study) -> None:
         f"with 3 the loaded half's force is {-float(lower.min()):.1f} % lower where the halves part, and no higher anywhere"
     )
     holds = bool((lower <= 1e-9).all() and lower.min() >= -WITHIN and np.allclose(loaded - other, force))
-    findings.claim("loaded_half", holds, words)
-    scene = study.scene(SCENE)
+    findings.add_claim("loaded_half", holds, words)
+    scene = cache.built_in_scene(SCENE)
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, FORCE)) for x in scene.loads))
     found = life_by_equivalent_loads([nut], [1.0], [np.array([0.0, 0.0, FORCE])], PRELOAD)
     assert found is not None
-    lives = (dynamic_rating(nut) / np.array(found.loads)) ** 3
+    lives = (dynamic_rating(nut) / np.array(found.equivalent_loads)) ** 3
     printed = float((lives ** (-10.0 / 9.0)).sum() ** -0.9)
     words = f"{found.revolutions:.4g} 10^6 revolutions, of {lives[0]:.4g} and {lives[1]:.4g}"
-    findings.claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
-    for name, angle in (row.key.split("_") for row in load_table(findings.table) if row.key[0] in "eXY"):
-        findings.number(f"{name}_{angle}", radial_and_axial_factors(float(np.radians(float(angle))))["eXY".index(name)])
+    findings.add_claim("combined_life", bool(np.isclose(found.revolutions, printed, rtol=1e-12)), words)
+    for name, angle in (row.key.split("_") for row in load_printed_table(findings.table) if row.key[0] in "eXY"):
+        findings.add_number(f"{name}_{angle}", equivalent_load_factors(float(np.radians(float(angle))))["eXY".index(name)])
 
 
 #: Cells along each axis of the grid of the program CONTACT's example, and width of the grid over that of the contact.
@@ -377,10 +391,10 @@ WHEEL_CELLS = (48, 44)
 ONSET_STEPS = 20
 
 
-def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def ball_of_bearing(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the Hertz contacts of one ball of NSK's screw-support bearing at the published ball load and contact angle.
 
-    ``findings``: receives contact angle, approaches and semi-axes, to compare with the published numbers. ``study``: not
+    ``findings``: receives contact angle, approaches and semi-axes, to compare with the published numbers. ``cache``: not
     used here.
     """
     parts = shipped_shaft_scene("nsk-25bswz01").sets[0].parts
@@ -389,26 +403,28 @@ def ball_of_bearing(findings: Findings, study: Study) -> None:  # noqa: ARG001 -
     grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
     young, poisson = steel.youngs_modulus, steel.poissons_ratio
     bearing = bearing_of_contact_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
-    angle = np.arccos(read_inputs()["nsk"]["cosine"])
-    findings.number("angle", float(np.degrees(angle)))
+    angle = np.arccos(read_external_inputs()["nsk"]["cosine"])
+    findings.add_number("angle", float(np.degrees(angle)))
     modulus = contact_modulus(young, poisson, young, poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in relative_curvatures(bearing, np.array(angle)))
-    cube = float(np.cbrt(read_input("nsk", "normal_load", "force")))
-    findings.number("approach_outer", 1e6 * float(outer.C) * cube**2)
-    findings.number("approach_inner", 1e6 * float(inner.C) * cube**2)
-    findings.number("a_outer", 1e3 * float(outer.C_a) * cube)
-    findings.number("b_outer", 1e3 * float(outer.C_b) * cube)
+    cube = float(np.cbrt(read_external_input("nsk", "normal_load", "force")))
+    findings.add_number("approach_outer", 1e6 * float(outer.C) * cube**2)
+    findings.add_number("approach_inner", 1e6 * float(inner.C) * cube**2)
+    findings.add_number("a_outer", 1e3 * float(outer.C_a) * cube)
+    findings.add_number("b_outer", 1e3 * float(outer.C_b) * cube)
 
 
-def sphere_on_plane(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def sphere_on_plane(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the contact radius of an elastic sphere on a rigid plane, Ansys's verification case 63.
 
-    ``findings``: receives the contact radius [mm], to compare with the published one. ``study``: not used here.
+    ``findings``: receives the contact radius [mm], to compare with the published one. ``cache``: not used here.
     """
-    radius = read_input("vm63", "radius", "length")
-    modulus = read_input("vm63", "youngs_modulus", "pressure") / (1.0 - read_inputs()["vm63"]["poissons_ratio"] ** 2)
+    radius = read_external_input("vm63", "radius", "length")
+    modulus = read_external_input("vm63", "youngs_modulus", "pressure") / (
+        1.0 - read_external_inputs()["vm63"]["poissons_ratio"] ** 2
+    )
     found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
-    findings.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(read_input("vm63", "force", "force"))))
+    findings.add_number("radius", 1e3 * float(found.C_a) * float(np.cbrt(read_external_input("vm63", "force", "force"))))
 
 
 def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], float, float]:
@@ -417,9 +433,9 @@ def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], flo
     First: load [N]; second: relative radii [m] along and across the rolling direction; third: Young's modulus [Pa];
     fourth: Poisson's ratio. ``case``: name of the example.
     """
-    poisson, shear = read_inputs()[case]["poissons_ratio"], read_input(case, "shear_modulus", "pressure")
-    radii = (read_input(case, "along", "length"), read_input(case, "across", "length"))
-    return read_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+    poisson, shear = read_external_inputs()[case]["poissons_ratio"], read_external_input(case, "shear_modulus", "pressure")
+    radii = (read_external_input(case, "along", "length"), read_external_input(case, "across", "length"))
+    return read_external_input(case, "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
 def _load_and_hertz_constants(case: str) -> tuple[float, HertzConstants]:
@@ -438,87 +454,91 @@ class RollingExampleResult:
     #: Moment about the contact normal [N mm].
     moment: float
     #: Number of cells in contact.
-    cells: int
+    cells_in_contact: int
     #: Number of cells that stick.
-    sticking: int
+    sticking_cells: int
     #: Power of friction at 1 m/s [W].
-    power: float
+    friction_power: float
 
 
 @lru_cache(maxsize=8)
-def solve_rolling_example(cells: int, *, as_contact: bool = False) -> RollingExampleResult:
+def solve_rolling_example(cells: int, *, by_contact_scheme: bool = False) -> RollingExampleResult:
     """Solve the steady-rolling example of the program CONTACT, which has lateral creepage and spin.
 
-    ``cells``: number of cells of the grid along each axis; ``as_contact``: whether to use CONTACT's grid and its finite
-    differences of slip over one cell, instead of the scheme of this package.
+    ``cells``: number of cells of the grid along each axis; ``by_contact_scheme``: whether to use CONTACT's grid and its
+    finite differences of slip over one cell, instead of the scheme of this package.
     """
-    case, touch = read_inputs()["contact"], _load_radii_and_material("contact")
+    case, touch = read_external_inputs()["contact"], _load_radii_and_material("contact")
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
-    if as_contact:
+    if by_contact_scheme:
         found = solve_steady_rolling_like_kalker(
             solve_elastic_contact_on_grid(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu
         )
     else:
         found = solve_steady_rolling_for_creepages(solve_elastic_contact_on_grid(*touch, (cells, cells)), creep, mu)
-    sticking = int(np.count_nonzero(found.friction.stick[0]))
+    sticking = int(np.count_nonzero(found.friction_solution.stick[0]))
     return RollingExampleResult(
-        float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss
+        float(found.friction_force[1]) / (mu * touch[0]),
+        1e3 * found.friction_moment,
+        len(found.normal_contact.cell_centres),
+        sticking,
+        found.friction_loss,
     )
 
 
-def rolling_examples(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def rolling_examples(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the published examples of the program CONTACT: steady rolling, a wheel, and rolling from rest.
 
     Steady rolling has lateral creepage and spin; its Hertz contact, force and moment on elastic half spaces are computed.
-    ``findings``: receives the computed value to compare with each published number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each published number. ``cache``: not used here.
     """
     load, hertz = _load_and_hertz_constants("contact")
     cube = float(np.cbrt(load))
-    findings.number("a", 1e3 * float(hertz.C_a) * cube)
-    findings.number("b", 1e3 * float(hertz.C_b) * cube)
-    findings.number("approach", 1e3 * float(hertz.C) * cube**2)
-    findings.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
+    findings.add_number("a", 1e3 * float(hertz.C_a) * cube)
+    findings.add_number("b", 1e3 * float(hertz.C_b) * cube)
+    findings.add_number("approach", 1e3 * float(hertz.C) * cube**2)
+    findings.add_number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
     theirs, ours = solve_rolling_example(EXAMPLE_CELLS, as_contact=True), solve_rolling_example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
-        findings.number(key, getattr(theirs, key), note)
+        findings.add_number(key, getattr(theirs, key), note)
     _compute_wheel_creep_curve(findings)
     _compute_push_and_roll_examples(findings)
 
 
-def _compute_wheel_creep_curve(findings: Findings) -> None:
+def _compute_wheel_creep_curve(findings: ComputedEntryValues) -> None:
     """Compute the creep-force curve of CONTACT's locomotive wheel, by CONTACT's difference scheme.
 
     ``findings``: receives the results.
     """
     load, hertz = _load_and_hertz_constants("wheel")
-    cube, mu = float(np.cbrt(load)), float(read_inputs()["wheel"]["friction"])
-    findings.number("wheel_a", 1e3 * float(hertz.C_b) * cube)
-    findings.number("wheel_b", 1e3 * float(hertz.C_a) * cube)
+    cube, mu = float(np.cbrt(load)), float(read_external_inputs()["wheel"]["friction"])
+    findings.add_number("wheel_a", 1e3 * float(hertz.C_b) * cube)
+    findings.add_number("wheel_b", 1e3 * float(hertz.C_a) * cube)
     patch = solve_elastic_contact_on_grid(*_load_radii_and_material("wheel"), WHEEL_CELLS, margin=EXAMPLE_MARGIN)
-    for row in load_table(findings.table):
+    for row in load_printed_table(findings.table):
         curve, _, creep = row.key.rpartition("_")
         if curve == "wheel_creep":
-            force = solve_steady_rolling_like_kalker(patch, Creep(float(creep), 0.0, 0.0), mu).force
-            findings.number(row.key, float(force[0]) / (mu * load))
+            force = solve_steady_rolling_like_kalker(patch, Creep(float(creep), 0.0, 0.0), mu).friction_force
+            findings.add_number(row.key, float(force[0]) / (mu * load))
 
 
 @lru_cache(maxsize=4)
-def solve_push_and_roll_example(case: str, steps: int) -> list[OnsetStep]:
+def solve_push_and_roll_example(case: str, steps: int) -> list[RollingOnsetStep]:
     """Solve an example of the program CONTACT in which a ball is pushed sideways at rest, and then rolls.
 
     ``case``: name of the example; ``steps``: number of steps, each of one cell's length, that the ball rolls. Returns the
     state at rest, then the states after each step.
     """
-    numbers, (load, circle) = read_inputs()[case], _load_and_hertz_constants(case)
-    margin = 0.5 * read_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
+    numbers, (load, circle) = read_external_inputs()[case], _load_and_hertz_constants(case)
+    margin = 0.5 * read_external_input(case, "grid", "length") / (float(circle.C_a) * float(np.cbrt(load)))
     patch = solve_elastic_contact_on_grid(
         *_load_radii_and_material(case), (numbers["cells"], numbers["cells"]), margin=margin
     )
     return simulate_rolling_onset(patch, numbers["friction"], numbers["share"], steps)
 
 
-def _compute_push_and_roll_examples(findings: Findings) -> None:
+def _compute_push_and_roll_examples(findings: ComputedEntryValues) -> None:
     """Compute CONTACT's examples of a ball pushed sideways, then rolled towards steady rolling.
 
     ``findings``: receives the results.
@@ -527,13 +547,17 @@ def _compute_push_and_roll_examples(findings: Findings) -> None:
         "cattaneo": solve_push_and_roll_example("cattaneo", 0),
         "onset": solve_push_and_roll_example("onset", ONSET_STEPS),
     }
-    for row in load_table(findings.table):
+    for row in load_printed_table(findings.table):
         case, _, rest = row.key.partition("_")
         if case in found:
             what, _, step = rest.partition("_")
             one = found[case][int(step or 0)]
-            value = {"shift": 1e3 * one.motion, "creep": one.motion, "sticking": float(one.sticking)}
-            findings.number(row.key, value[what])
+            value = {
+                "shift": 1e3 * one.shift_or_creepage,
+                "creep": one.shift_or_creepage,
+                "sticking": float(one.sticking_cell_count),
+            }
+            findings.add_number(row.key, value[what])
 
 
 #: Sizes of THK's nuts and of one of HIWIN: last part of the scenes' names.
@@ -557,7 +581,7 @@ def scene_name_of_catalogue_size(size: str) -> str:
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
-def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
+def nut_rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
     """Return the axial rigidity [N/m] of a nut with equally loaded balls: with rigid, then with elastic nut and screw.
 
     Rigid: only the Hertz contacts deform; elastic: nut and screw deform as thick tubes, too. ``scene``: screw and nut;
@@ -568,89 +592,91 @@ def rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[floa
     return force / alone, force / (alone + body * force)
 
 
-def rigidity_with_unequal_loads(study: Study, name: str, model: str) -> float:
+def nut_rigidity_with_unequal_loads(cache: SceneResultCache, name: str, model: str) -> float:
     """Return the axial rigidity [N/m] of a nut by a model in which ball loads differ; zero if the model did not converge.
 
-    ``study``: gives the solved scenes; ``name``: name of the scene; ``model``: name of the model.
+    ``cache``: gives the solved scenes; ``name``: name of the scene; ``model``: name of the model.
     """
-    scene, found = study.scene(name), study.solve(name, model)
-    return axial_force(found) / axial_displacement(scene, found) if found.converged else 0.0
+    scene, found = cache.built_in_scene(name), cache.solve_once(name, model)
+    return axial_force(found) / screw_displacement_at_nut(scene, found) if found.converged else 0.0
 
 
-def nut_rigidities(findings: Findings, study: Study) -> None:
+def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
 
     These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):
-        scene = study.scene(scene_name_of_catalogue_size(size))
-        alone[size], bodies[size] = (1e-6 * x for x in rigidities_without_and_with_bodies(scene, scene.loads[0].force[2]))
+        scene = cache.built_in_scene(scene_name_of_catalogue_size(size))
+        alone[size], bodies[size] = (
+            1e-6 * x for x in nut_rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
+        )
         printed = printed_entry(findings.table, f"rigidity_{size}").value or 0.0
         share = printed / alone[size]
         words = f"catalogue {printed / bodies[size]:.3f} of it; contacts alone {alone[size]:.0f} N/um"
-        findings.number(f"rigidity_{size}", bodies[size], words)
+        findings.add_number(f"rigidity_{size}", bodies[size], words)
         low, high = next(ends for sizes, ends in SHARES.items() if size in sizes)
         words = f"{share:.3f} of {alone[size]:.0f} N/um"
-        findings.claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
+        findings.add_claim(f"share_{size}", low * (1.0 - UNPRINTED) <= share <= high * (1.0 + UNPRINTED), words)
     for turns, size in (("5", "bnf-3205-5"), ("7p5", "bnf-3205-7p5")):
-        findings.number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
+        findings.add_number(f"turns_{turns}", alone[size] / alone["bnf-3205-2p5"], "contacts alone")
     words = f"contacts alone {2.0**1.5 / 3.0 ** (1.0 / 3.0):.3f}"
-    findings.number("double", double_over_single_nut_rigidity(study), f"with the bodies; {words}")
-    _compute_double_nut_drag_torque(study, findings)
+    findings.add_number("double", double_over_single_nut_rigidity(cache), f"with the bodies; {words}")
+    _compute_double_nut_drag_torque(cache, findings)
 
 
-def double_over_single_nut_rigidity(study: Study) -> float:
+def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
     """Return the axial rigidity of a preloaded double nut divided by that of a single nut, contacts and bodies included.
 
     The preload is a third of the single nut's load. The double nut's rigidity is taken at the load that just unloads one of
-    its nuts: its displacement is then the deflection of one nut under the preload. ``study``: gives the scenes included
+    its nuts: its displacement is then the deflection of one nut under the preload. ``cache``: gives the scenes included
     with rollbench.
     """
-    scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
+    scene = cache.built_in_scene(scene_name_of_catalogue_size(DOUBLE))
     full = scene.loads[0].force[2]
     preload = full / 3.0
-    single = rigidities_without_and_with_bodies(scene, full)[1]
-    moved = preload / rigidities_without_and_with_bodies(scene, preload)[1]
+    single = nut_rigidities_without_and_with_bodies(scene, full)[1]
+    moved = preload / nut_rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
         """Return the single nut's displacement [m] at a force [N], less its displacement when the double nut lifts off."""
-        return force / rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
+        return force / nut_rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))
     return unloads / moved / single
 
 
-def _compute_double_nut_drag_torque(study: Study, findings: Findings) -> None:
+def _compute_double_nut_drag_torque(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Compute the drag torque of a preloaded double nut by THK's formula, and by sliding balls.
 
-    ``study``: gives the scenes, and caches the torque; ``findings``: receives the results.
+    ``cache``: gives the scenes, and caches the torque; ``findings``: receives the results.
     """
-    case = read_inputs()["thk"]
+    case = read_external_inputs()["thk"]
     preload, lead, mu = (
-        read_input("thk", "preload", "force"),
-        read_input("thk", "lead", "length"),
+        read_external_input("thk", "preload", "force"),
+        read_external_input("thk", "lead", "length"),
         float(case["friction"]),
     )
     formula = 0.05 * case["tangent"] ** -0.5 * preload * lead / (2.0 * pi)
-    findings.number("drag_formula", 1e3 * formula)
-    torque = study.compute_once(double_nut_drag_torque, preload, mu)
+    findings.add_number("drag_formula", 1e3 * formula)
+    torque = cache.compute_once(double_nut_drag_torque, preload, mu)
     printed = printed_entry(findings.table, "drag").value or 0.0
     words = (
         f"both nuts at a coefficient of {mu:g}, friction moving each ball across its grooves as in every scene that says "
         f"nothing else: {1e3 * torque / printed:.2f} times the printed torque"
     )
-    findings.number("drag", 1e3 * torque, words)
+    findings.add_number("drag", 1e3 * torque, words)
 
 
-def double_nut_drag_torque(study: Study, preload: float, mu: float) -> float:
+def double_nut_drag_torque(cache: SceneResultCache, preload: float, mu: float) -> float:
     """Return the friction torque [N m] of a preloaded double nut of the size `DOUBLE` by the sliding of its balls.
 
-    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``study``: gives the solved scenes.
+    ``preload``: axial force between both nuts [N]; ``mu``: coefficient of friction. ``cache``: gives the solved scenes.
     """
-    scene = study.scene(scene_name_of_catalogue_size(DOUBLE))
+    scene = cache.built_in_scene(scene_name_of_catalogue_size(DOUBLE))
     nut = replace(scene, loads=tuple(replace(x, force=(0.0, 0.0, preload)) for x in scene.loads))
-    found = run_model(nut, "lin", Options(discretisation=False))
-    return 2.0 * friction_state(nut, found, Friction(mu, mu), Motion(2.0 * pi)).torque.friction
+    found = run_model(nut, "lin", ModelOptions(estimate_beam_mesh_error=False))
+    return 2.0 * friction_state(nut, found, Friction(mu, mu), Motion(2.0 * pi)).friction_sums.friction_torque

@@ -16,25 +16,30 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rollbench.compare.cases.external import evidence as external
-from rollbench.compare.cases.external.evidence import PREFIX, assumptions_by_case, scene_name_of_catalogue_size
-from rollbench.compare.evidence import Evidence, computations_with_function, evidence
+from rollbench.compare.cases.external.evidence import PREFIX, assumptions_by_external_case, scene_name_of_catalogue_size
+from rollbench.compare.evidence import PrintedEntryComparison, computations_with_function, evidence
 from rollbench.compare.measure import error_percent, load_error, mean_load
-from rollbench.compare.models.loading import solve_scaled
-from rollbench.compare.models.model_form import FLANGE, errors_on_drawn_screws, estimate_model_error
+from rollbench.compare.models.loading import solve_with_scaled_loads
+from rollbench.compare.models.model_form import FLANGE, estimate_model_error, model_errors_on_random_screws
 from rollbench.compare.models.modelling import UNSEEN
-from rollbench.compare.models.registry import DEFAULT, Options
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import DEFAULT, ModelOptions
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
-from rollbench.compare.reference.estimate import Reference, error_near_faces, mesh_uncertainty, read_experience
+from rollbench.compare.reference.estimate import (
+    Reference,
+    load_error_near_faces,
+    mesh_uncertainty,
+    read_uncertainty_of_other_scenes,
+)
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.template import RIM, THICK
 from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.lowfi.rating.life import basic_rating_life
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force, three_axial_rigidities
+from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_nut, three_axial_rigidities
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.parts import SIDES, Flange, NutHeld, Scene
-from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
 
 #: Titles of the tables, by name of the printed table.
 TITLES = {
@@ -68,13 +73,13 @@ SOURCES = {
 STARTS = 0.01
 
 
-def agreement_sentence(found: Sequence[Evidence]) -> str:
+def agreement_sentence(found: Sequence[PrintedEntryComparison]) -> str:
     """Return the sentence on how many published values and claims agree with the computed ones.
 
     ``found``: published values and claims of all external cases, each with its computed value and verdict.
     """
-    judged = [e for e in found if e.printed.cls != "open"]
-    good = sum(e.agrees is True for e in judged)
+    judged = [e for e in found if e.printed.entry_class != "open"]
+    good = sum(e.agrees_with_printed is True for e in judged)
     of = Counter(e.verdict for e in judged)
     return (
         f"{good} of {len(judged)} published values and claims agree. Of these, {of['reproduced']} agree to the digits that "
@@ -85,24 +90,27 @@ def agreement_sentence(found: Sequence[Evidence]) -> str:
     )
 
 
-def assumptions_table(study: Study) -> Table:
+def assumptions_table(cache: SceneResultCache) -> Table:
     """Return the table of assumptions made where a publication leaves inputs open.
 
-    ``study``: lists the scenes used so far; the table has a row for each of their assumptions.
+    ``cache``: lists the scenes used so far; the table has a row for each of their assumptions.
     """
     rows: list[dict[str, Cell]] = []
-    for name, thing in study.used.items():
+    for name, thing in cache.used_scenes.items():
         if name.startswith(PREFIX) and isinstance(thing, Scene | Assembly):
             rows += [{"case": name, "assumed": text} for text in thing.assumed]
-    for name, texts in assumptions_by_case().items():
+    for name, texts in assumptions_by_external_case().items():
         rows += [{"case": PREFIX + name, "assumed": text} for text in texts]
-    columns = (Quantity("case", "case or scene", "", "s"), Quantity("assumed", "inferred or chosen to run it", "", "s"))
+    columns = (
+        TableColumn("case", "case or scene", "", "s"),
+        TableColumn("assumed", "inferred or chosen to run it", "", "s"),
+    )
     return Table(
         "external-assumed", "Inputs that the publications do not print, and what is assumed for them", columns, rows
     )
 
 
-def agreement_figure(found: Sequence[Evidence]) -> Figure:
+def agreement_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     """Draw the errors [%] of computed values against published ones, with a column of markers for each publisher.
 
     Only values of the classes "hard" (same theory) and "band" (stated tolerance) count. ``found``: published values with
@@ -110,31 +118,31 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
     """
     errors: dict[str, list[float]] = {}
     for e in found:
-        if e.printed.cls in ("hard", "band") and e.error_percent is not None:
+        if e.printed.entry_class in ("hard", "band") and e.error_percent is not None:
             errors.setdefault(SOURCES[e.printed.table], []).append(e.error_percent)
     points = [(float(k), error) for k, percents in enumerate(errors.values(), start=1) for error in percents]
     series = (Series("error", [x for x, _ in points], [y for _, y in points], "markers"),)
-    panel = Panel("computed against published", "", "error / %", series, names=list(errors))
+    panel = Panel("computed against published", "", "error / %", series, abscissa_names=list(errors))
     caption = "Only numbers that the same theory must give, or that have a stated tolerance; the tables show all."
     return Figure(
         "external-errors", "Errors of computed against published values, by publisher", (panel,), caption, columns=1
     )
 
 
-def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float | None]]]:
+def computed_and_printed_nut_rigidities(cache: SceneResultCache) -> list[tuple[str, float, dict[str, float | None]]]:
     """Return the axial rigidities of each catalogue nut: computed with more and more effects, and printed.
 
     Each item of the list: name of the scene; axial load [N]; rigidities [N/um] by name, None where unknown. The names are
     "contacts" (Hertz contacts only), "bodies" (with the deformation of nut and screw too), "unequal" (with unequal ball
-    loads too) and "printed" (in the catalogue). ``study``: gives the solved scenes.
+    loads too) and "printed" (in the catalogue). ``cache``: gives the solved scenes.
     """
     out: list[tuple[str, float, dict[str, float | None]]] = []
     for size in (*external.THK, *external.HIWIN):
         name = external.scene_name_of_catalogue_size(size)
-        scene = study.scene(name)
+        scene = cache.built_in_scene(name)
         force = scene.loads[0].force[2]
-        alone, bodies = external.rigidities_without_and_with_bodies(scene, force)
-        solved = external.rigidity_with_unequal_loads(study, name, DEFAULT)
+        alone, bodies = external.nut_rigidities_without_and_with_bodies(scene, force)
+        solved = external.nut_rigidity_with_unequal_loads(cache, name, DEFAULT)
         printed = printed_entry("external-thk", f"rigidity_{size}").value
         unequal = 1e-6 * solved if solved else None
         stages = {"contacts": 1e-6 * alone, "bodies": 1e-6 * bodies, "unequal": unequal, "printed": printed}
@@ -145,7 +153,7 @@ def catalogue_rigidities(study: Study) -> list[tuple[str, float, dict[str, float
 # --- three rigidities of a nut as ISO 3408-4 separates them, compared with the 3D reference and catalogues
 
 
-def displacement_in_3d(scene: Scene, found: Reference) -> float:
+def screw_displacement_at_nut_in_3d(scene: Scene, found: Reference) -> float:
     """Return the screw's axial displacement [m] at the nut's centre by the 3D reference on its finest mesh.
 
     ``scene``: screw and nut; ``found``: stored 3D reference of the scene.
@@ -154,43 +162,45 @@ def displacement_in_3d(scene: Scene, found: Reference) -> float:
     return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
 
 
-def nut_rigidity_row(study: Study, name: str) -> dict[str, Cell] | None:
+def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | None:
     """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
 
-    ``study``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
+    ``cache``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
     reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
     displacement contains this part, so that its rigidity is unknown).
     """
-    scene, found = study.scene(name), study.reference(name)
+    scene, found = cache.built_in_scene(name), cache.stored_reference(name)
     if found is None:
         return None
-    result = study.solve(name, DEFAULT)
-    force, moved = axial_force(result), axial_displacement(scene, result)
-    bare = solve_scaled(scene, 0.0, DEFAULT, Options(discretisation=False, engine="interpreted"))
-    if abs(axial_displacement(scene, bare)) > STARTS * abs(moved):
+    result = cache.solve_once(name, DEFAULT)
+    force, moved = axial_force(result), screw_displacement_at_nut(scene, result)
+    bare = solve_with_scaled_loads(scene, 0.0, DEFAULT, ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
+    if abs(screw_displacement_at_nut(scene, bare)) > STARTS * abs(moved):
         return None
     try:
         stages = three_axial_rigidities(scene, force, moved)
     except ValueError:
         return None
-    if stages is None or stages.bodies is None or stages.unequal is None:
+    if stages is None or stages.with_bodies is None or stages.with_unequal_loads is None:
         return None
     return {
         "scene": name,
         "load": 1e-3 * abs(force),
-        "contacts": 1e-6 * stages.contacts,
-        "bodies": 1e-6 * stages.bodies,
-        "unequal": 1e-6 * stages.unequal,
-        "reference": 1e-6 * force / displacement_in_3d(scene, found),
+        "contacts": 1e-6 * stages.contacts_only,
+        "bodies": 1e-6 * stages.with_bodies,
+        "unequal": 1e-6 * stages.with_unequal_loads,
+        "reference": 1e-6 * force / screw_displacement_at_nut_in_3d(scene, found),
     }
 
 
 def nut_rigidities_table(
-    study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], referenced_scenes: Sequence[str]
+    cache: SceneResultCache,
+    catalogue: Sequence[tuple[str, float, dict[str, float | None]]],
+    referenced_scenes: Sequence[str],
 ) -> Table:
     """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
 
-    ``study``: gives solved scenes and stored 3D references; ``catalogue``: result of `catalogue_rigidities`;
+    ``cache``: gives solved scenes and stored 3D references; ``catalogue``: result of `computed_and_printed_nut_rigidities`;
     ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
     """
     rows: list[dict[str, Cell]] = []
@@ -201,18 +211,18 @@ def nut_rigidities_table(
             if value and printed:
                 row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
         rows.append(row)
-    rows += [row for row in (nut_rigidity_row(study, name) for name in referenced_scenes) if row is not None]
+    rows += [row for row in (nut_rigidity_row(cache, name) for name in referenced_scenes) if row is not None]
     columns = (
-        Quantity("scene", "scene", "", "s"),
-        Quantity("load", "axial load", "kN", "g3"),
-        Quantity("contacts", "contacts alone", "N/um", "g4"),
-        Quantity("bodies", "with the bodies", "N/um", "g4"),
-        Quantity("unequal", "with unequal loads", "N/um", "g4"),
-        Quantity("reference", "3D reference", "N/um", "g4"),
-        Quantity("printed", "catalogue", "N/um", "g4"),
-        Quantity("share_contacts", "catalogue over contacts alone", "", ".3f"),
-        Quantity("share_bodies", "catalogue over that with the bodies", "", ".3f"),
-        Quantity("share_unequal", "catalogue over that with unequal loads", "", ".3f"),
+        TableColumn("scene", "scene", "", "s"),
+        TableColumn("load", "axial load", "kN", "g3"),
+        TableColumn("contacts", "contacts alone", "N/um", "g4"),
+        TableColumn("bodies", "with the bodies", "N/um", "g4"),
+        TableColumn("unequal", "with unequal loads", "N/um", "g4"),
+        TableColumn("reference", "3D reference", "N/um", "g4"),
+        TableColumn("printed", "catalogue", "N/um", "g4"),
+        TableColumn("share_contacts", "catalogue over contacts alone", "", ".3f"),
+        TableColumn("share_bodies", "catalogue over that with the bodies", "", ".3f"),
+        TableColumn("share_unequal", "catalogue over that with unequal loads", "", ".3f"),
     )
     note = (
         "Axial load over axial displacement. Contacts alone: equally loaded balls between rigid bodies; with the bodies: "
@@ -230,16 +240,16 @@ def nut_rigidities_table(
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on values of other programs, makers' catalogues and textbooks.
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("values of other programs, makers and textbooks")
     tables = [name for name in computations_with_function() if name.startswith(PREFIX)]
-    found = evidence(study, *tables)
+    found = evidence(cache, *tables)
     step("three rigidities of ball nuts")
-    rigid = nut_rigidities_table(study, catalogue_rigidities(study), UNSEEN)
+    rigid = nut_rigidities_table(cache, computed_and_printed_nut_rigidities(cache), UNSEEN)
     inferred = float(np.round(external.gmn_rigidity_rms_error_percent(), 2))
     text = (
         (
@@ -257,7 +267,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         agreement_figure(found),
         *(printed_numbers_table(name, TITLES[name], [e for e in found if e.printed.table == name]) for name in tables),
         rigid,
-        assumptions_table(study),
+        assumptions_table(cache),
     )
     return Section(
         "external",
@@ -279,19 +289,19 @@ WHOLE, BOLTED = "flange, whole face", f"flange, {BOLTS} bolts"
 FIT = 0.5
 #: Columns of the table of nuts fixed at different surfaces.
 FIXATION_COLUMNS = (
-    Quantity("scene", "scene", "", "s"),
-    Quantity("by", "computed by", "", "s"),
-    Quantity("held", "nut fixed at", "", "s"),
-    Quantity("largest", "largest load", "N", "g4"),
-    Quantity("load_change", "largest load against left face", "%", "+.2f"),
-    Quantity("expected", "expected error of a load", "% of mean", ".2f"),
-    Quantity("off", f"largest error against {THREE}", "% of mean", ".2f"),
-    Quantity("mesh", f"uncertainty of {THREE} by its mesh", "% of mean", ".2f"),
-    Quantity("life", "life L10", "10^6 rev", "g4"),
-    Quantity("life_change", "life against left face", "%", "+.2f"),
-    Quantity("rigidity", "rigidity", "N/um", "g4"),
-    Quantity("rigidity_change", "rigidity against left face", "%", "+.2f"),
-    Quantity("share", "catalogue over computed rigidity", "", ".3f"),
+    TableColumn("scene", "scene", "", "s"),
+    TableColumn("by", "computed by", "", "s"),
+    TableColumn("held", "nut fixed at", "", "s"),
+    TableColumn("largest", "largest load", "N", "g4"),
+    TableColumn("load_change", "largest load against left face", "%", "+.2f"),
+    TableColumn("expected", "expected error of a load", "% of mean", ".2f"),
+    TableColumn("off", f"largest error against {THREE}", "% of mean", ".2f"),
+    TableColumn("mesh", f"uncertainty of {THREE} by its mesh", "% of mean", ".2f"),
+    TableColumn("life", "life L10", "10^6 rev", "g4"),
+    TableColumn("life_change", "life against left face", "%", "+.2f"),
+    TableColumn("rigidity", "rigidity", "N/um", "g4"),
+    TableColumn("rigidity_change", "rigidity against left face", "%", "+.2f"),
+    TableColumn("share", "catalogue over computed rigidity", "", ".3f"),
 )
 
 
@@ -302,9 +312,14 @@ def scenes_by_nut_fixation(scene: Scene) -> dict[str, Scene]:
     seat = 0.5 * outer, 0.5 * RIM * outer
     flange = Flange(RIM * outer, thick, seat, centring=FIT * (scene.nut.length - thick))
 
-    def fix_nut(at: NutHeld, fitted: Flange | None = None) -> Scene:
-        """Return a copy of the scene with the nut fixed at the surface ``at``; ``fitted``: flange of the nut, or None."""
-        return replace(scene, nut=replace(scene.nut, flange=fitted), solid=replace(scene.solid, nut_held=at))
+    def fix_nut(fixed_surface: NutHeld, flange_of_nut: Flange | None = None) -> Scene:
+        """Return a copy of the scene with the nut fixed at the surface ``fixed_surface``.
+
+        ``flange_of_nut``: flange of the nut, or None.
+        """
+        return replace(
+            scene, nut=replace(scene.nut, flange=flange_of_nut), solid=replace(scene.solid, nut_held=fixed_surface)
+        )
 
     return {
         "left face": fix_nut("left face"),
@@ -342,15 +357,15 @@ class FixationResult(NamedTuple):
     """Contact loads and rigidity of a screw by one model, for one fixation of its nut."""
 
     #: Name of the model, or of the 3D reference with its mesh level.
-    by: str
+    computed_by: str
     #: Name of the fixation, a key of `scenes_by_nut_fixation`.
-    way: str
+    fixation: str
     #: Contact loads (n, 4) [N] of n balls on the flanks SL, SR, NL and NR.
-    load: Array
+    contact_loads: Array
     #: Axial rigidity [N/m].
-    rigidity: float
+    axial_rigidity: float
     #: Uncertainty of the loads by the mesh [% of the mean load]; None for models without a mesh.
-    mesh: float | None = None
+    mesh_uncertainty_percent: float | None = None
 
 
 def fixation_results_by_mesh_level(scene: str, fixation: str) -> dict[int, dict[str, Any]]:
@@ -378,25 +393,29 @@ def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -
         Contact loads (n, 4) [N] of n balls in 3D, by mesh level.
     """
     level, mean = max(loads), mean_load(loads[max(loads)])
-    bars = 0.01 * mean * mesh_uncertainty(loads, read_experience(shipped_store())).bars(loads)
-    return float(error_percent((bars + error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
+    bars = (
+        0.01
+        * mean
+        * mesh_uncertainty(loads, read_uncertainty_of_other_scenes(shipped_store())).uncertainties_of_loads(loads)
+    )
+    return float(error_percent((bars + load_error_near_faces(scene, loads[level], level)).max(), 0.0, mean))
 
 
-def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
+def fixation_table_rows(cache: SceneResultCache, size: str) -> list[dict[str, Cell]]:
     """Return table rows of a catalogue screw: largest load, life and rigidity for each fixation of its nut and each model.
 
     The rows of the default model come first, then those of every stored mesh level of the 3D reference. The default model
-    fixes the whole annulus of a flange, so it has no row for a flange fixed by bolts. ``study``: gives the solved scenes;
+    fixes the whole annulus of a flange, so it has no row for a flange fixed by bolts. ``cache``: gives the solved scenes;
     ``size``: name of the catalogue size, one of `SIZES`.
     """
     printed = printed_entry("external-thk", f"rigidity_{size}").value
     name = scene_name_of_catalogue_size(size)
-    held = scenes_by_nut_fixation(study.scene(name))
-    found = {way: study.solve(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
+    held = scenes_by_nut_fixation(cache.built_in_scene(name))
+    found = {way: cache.solve_once(scene, DEFAULT) for way, scene in held.items() if way != BOLTED}
     in_3D = {way: fixation_results_by_mesh_level(name, way) for way in held}
     loads = {way: {k: contact_loads_of_stored_result(x) for k, x in levels.items()} for way, levels in in_3D.items()}
     solved = [
-        FixationResult(DEFAULT, way, result.load, axial_force(result) / axial_displacement(held[way], result))
+        FixationResult(DEFAULT, way, result.load, axial_force(result) / screw_displacement_at_nut(held[way], result))
         for way, result in found.items()
         if result.converged
     ]
@@ -432,7 +451,7 @@ def fixation_table_rows(study: Study, size: str) -> list[dict[str, Cell]]:
     return rows
 
 
-def bolts_sentence() -> str:
+def flange_bolts_sentence() -> str:
     """Return the sentence on how loads and rigidity change in 3D if only bolts, not the whole annulus, fix the flange."""
     words = []
     for size in SIZES:
@@ -488,7 +507,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
     )
 
 
-def column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
+def model_column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
     ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: beginning of the
@@ -503,7 +522,7 @@ def flanged_nuts_sentence() -> str:
 
     The errors are those of contact loads against the 3D reference.
     """
-    nuts = [p for p in errors_on_drawn_screws() if p.model == DEFAULT and FLANGE in p.features]
+    nuts = [p for p in model_errors_on_random_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
         return "No drawn nut fixed at a flange was compared with the 3D reference."
     return (
@@ -513,22 +532,23 @@ def flanged_nuts_sentence() -> str:
     )
 
 
-def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
+def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the effect of the nut's fixation on contact loads, life and rigidity.
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("nuts fixed at different surfaces")
-    rows = [row for size in SIZES for row in fixation_table_rows(study, size)]
+    rows = [row for size in SIZES for row in fixation_table_rows(cache, size)]
     shares = {
-        held: column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
+        held: model_column_range_in_words(rows, "share", held, ".2f") for held in ("left", "flange, whole", "flange, outer")
     }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        f"The surface at which a nut is fixed changes its largest load by {column_range_in_words(rows, 'load_change')} %, "
+        "The surface at which a nut is fixed changes its largest load by "
+        f"{model_column_range_in_words(rows, 'load_change')} %, "
         "its life by "
-        f"{column_range_in_words(rows, 'life_change')} % and its rigidity by "
-        f"{column_range_in_words(rows, 'rigidity_change')} % against "
+        f"{model_column_range_in_words(rows, 'life_change')} % and its rigidity by "
+        f"{model_column_range_in_words(rows, 'rigidity_change')} % against "
         "the left face."
     )
     text = (
@@ -537,7 +557,7 @@ def fixation_section(study: Study, step: Callable[[str], None]) -> Section:
         f"half of this face, where the flange bends: the fixation "
         f"{'explains a part of' if min(bent, default=0.0) < 1.0 else 'can explain'} the difference.",
         mesh_uncertainty_sentence(rows),
-        bolts_sentence(),
+        flange_bolts_sentence(),
         flanged_nuts_sentence(),
     )
     note = (

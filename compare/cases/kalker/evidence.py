@@ -9,18 +9,18 @@ from functools import lru_cache
 import numpy as np
 
 from rollbench.compare.cases.external.evidence import EXAMPLE_CELLS, solve_rolling_example
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import LEVELS, QUADRATURES
 from rollbench.hifi.rolling import verification
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, position_of_contact_on_groove, solve_rolling
-from rollbench.hifi.rolling.bodies import ContactPosition, Sizes
-from rollbench.hifi.rolling.patch import Patch, solve_elastic_contact_on_grid
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, position_of_contact_on_groove, solve_rolling
+from rollbench.hifi.rolling.bodies import ContactGeometry, Sizes
+from rollbench.hifi.rolling.patch import GridContact, solve_elastic_contact_on_grid
 from rollbench.hifi.rolling.verification import kalker_linear_coefficients
 from rollbench.meshes.arrays import Array
 
@@ -31,29 +31,29 @@ NAMES = ("C11", "C22", "C23", "C33")
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class CreepCoefficient:
     """One of Kalker's linear creep coefficients, computed on several grids of the contact ellipse."""
 
     #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
     key: str
     #: Values on the grids, from coarse to fine.
-    values: tuple[float, ...]
+    values_by_grid: tuple[float, ...]
     #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
-    answer: float
+    best_value: float
     #: Whether ``answer`` is extrapolated.
-    extrapolated: bool
+    is_extrapolated: bool
 
 
 @lru_cache(maxsize=1)
-def coefficients() -> tuple[Coefficient, ...]:
+def coefficients() -> tuple[CreepCoefficient, ...]:
     """Return the 36 creep coefficients of Kalker's Table E3: four for each of nine contacts.
 
     Each contact has one of three ratios of the semi-axes and one of three Poisson's ratios.
     """
-    return tuple(_compute_coefficients())
+    return tuple(_compute_creep_coefficients())
 
 
-def _compute_coefficients() -> Iterator[Coefficient]:
+def _compute_creep_coefficients() -> Iterator[CreepCoefficient]:
     """Compute each creep coefficient on three grids, and extrapolate it to zero cell size if it converges monotonically."""
     for ratio, shapes in GRIDS.items():
         cells = np.array([1.0 / s[1] for s in shapes])
@@ -64,19 +64,19 @@ def _compute_coefficients() -> Iterator[Coefficient]:
                 steps = np.diff(values)
                 one_side = bool(steps[0] * steps[1] > 0.0 and abs(steps[1]) < abs(steps[0]))
                 answer = float(limit if one_side else values[-1])
-                yield Coefficient(f"{name}_{ratio}_{poisson}", tuple(map(float, values)), answer, one_side)
+                yield CreepCoefficient(f"{name}_{ratio}_{poisson}", tuple(map(float, values)), answer, one_side)
 
 
-def table_e3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_e3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the creep coefficients of Kalker's Table E3, for semi-axes ratios of 0.2, 1 and 5 and three Poisson's ratios.
 
     Poisson's ratios are 0, 0.25 and 0.5. ``findings``: receives each computed coefficient to compare with the printed one,
-    with its values on several grids as a remark. ``study``: not used here.
+    with its values on several grids as a remark. ``cache``: not used here.
     """
     for one in coefficients():
-        grids = ", ".join(f"{v:.4g}" for v in one.values)
-        how = "extrapolated" if one.extrapolated else "the finest grid's"
-        findings.number(one.key, one.answer, f"grids {grids}; {how}")
+        grids = ", ".join(f"{v:.4g}" for v in one.values_by_grid)
+        how = "extrapolated" if one.is_extrapolated else "the finest grid's"
+        findings.add_number(one.key, one.best_value, f"grids {grids}; {how}")
 
 
 #: Contact in full slip: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction coefficient.
@@ -126,35 +126,35 @@ class Verification:
     along an axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
     """
 
-    case: str
+    contact_problem: str
     quantity: str
-    values: tuple[float, ...]
-    exact: float
-    reach: float
-    answer: float
-    finer: float | None = 2.0
+    values_by_grid: tuple[float, ...]
+    exact_value: float
+    permitted_error_percent: float
+    judged_value: float
+    grid_refinement: float | None = 2.0
 
     @property
-    def error(self) -> float:
+    def error_of_judged_value_percent(self) -> float:
         """Error of ``answer`` against the exact or printed value [%]."""
-        return float(error_percent(self.answer, self.exact))
+        return float(error_percent(self.judged_value, self.exact_value))
 
     @property
     def within_permitted_error(self) -> bool:
         """Whether the error of ``answer`` is within the permitted error ``reach``."""
-        return abs(self.error) <= self.reach
+        return abs(self.error_of_judged_value_percent) <= self.permitted_error_percent
 
     @property
-    def order(self) -> float | None:
+    def convergence_order(self) -> float | None:
         """Order of convergence observed from the coarsest grid to the finest.
 
         None if the last error is round-off, or if the error does not fall with each finer grid: it then depends on
         where cell boundaries lie.
         """
-        errors = np.abs(np.array(self.values) - self.exact)
-        if self.finer is None or not errors[-1] > 1e-12 * abs(self.exact) or (np.diff(errors) >= 0.0).any():
+        errors = np.abs(np.array(self.values_by_grid) - self.exact_value)
+        if self.grid_refinement is None or not errors[-1] > 1e-12 * abs(self.exact_value) or (np.diff(errors) >= 0.0).any():
             return None
-        return float(np.log(errors[0] / errors[-1]) / np.log(self.finer))
+        return float(np.log(errors[0] / errors[-1]) / np.log(self.grid_refinement))
 
 
 @lru_cache(maxsize=2)
@@ -175,7 +175,7 @@ def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
     return tuple(proof for proof_of in ((_verify_contact_at_rest,) if meshing else ()) + parts for proof in proof_of())
 
 
-def contact_by_static_reference(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
+def most_loaded_contact_by_3d_reference(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:
     """Return approach, semi-axes and peak pressure of a screw's most loaded contact by the static 3D reference.
 
     In this order: approach [um], semi-axes along and across the rolling direction [um], peak pressure [MPa]. ``cells``:
@@ -185,20 +185,20 @@ def contact_by_static_reference(cells: tuple[int, int] = STATIC_CELLS) -> tuple[
     return _approach_semi_axes_and_peak(verification.solve_normal_contact_by_patches(at, load, *material, cells))
 
 
-def _most_loaded_contact() -> tuple[ContactPosition, float, tuple[float, float]]:
+def _most_loaded_contact() -> tuple[ContactGeometry, float, tuple[float, float]]:
     """Return the most loaded contact of two touching balls of a ball screw.
 
     First: its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
     """
-    scene = prepare_rolling_case(shipped_scene_of_kind(SCREW, KindScene), Choices(LEVELS[1])).touching
-    touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
-    return position_of_contact_on_groove(scene, touch)[0], touch.load, (scene.young, scene.poisson)
+    scene = prepare_rolling_case(shipped_scene_of_kind(SCREW, FrictionScene), RollingSettings(LEVELS[1])).touching
+    touch = max((t for b in scene.balls for t in b.groove_contacts), key=lambda t: t.contact_force)
+    return position_of_contact_on_groove(scene, touch)[0], touch.contact_force, (scene.young, scene.poisson)
 
 
 def _verify_contact_at_rest() -> Iterator[Verification]:
     """Verify approach, semi-axes and peak pressure of a contact at rest against the static 3D reference."""
     at, load, material = _most_loaded_contact()
-    exact = contact_by_static_reference()
+    exact = most_loaded_contact_by_3d_reference()
     found = [
         _approach_semi_axes_and_peak(
             verification.solve_normal_contact_by_rolling_model(at, load, *material, shape, Sizes())
@@ -210,17 +210,17 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
         yield Verification("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
 
 
-def _approach_semi_axes_and_peak(one: verification.NormalContact) -> tuple[float, ...]:
+def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[float, ...]:
     """Return approach [um], semi-axes along and across rolling [um], and peak pressure [MPa] of a normal contact."""
-    return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
+    return 1e6 * contact.approach, 1e6 * contact.semi_axes[0], 1e6 * contact.semi_axes[1], 1e-6 * contact.peak_pressure
 
 
 def _verify_finite_elements() -> Iterator[Verification]:
     """Verify displacements of a half space of finite elements under uniform traction against the closed-form solution."""
     load, radii, young, poisson = GROOVE
-    at = ContactPosition(radii[0], radii, 0.25 * np.pi, None)
-    zones = (at.zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
-    found = [verification.compare_half_space_displacements(zone, at.ball, young, poisson) for zone in zones]
+    at = ContactGeometry(radii[0], radii, 0.25 * np.pi, None)
+    zones = (at.contact_zone(load, young, poisson, replace(Sizes(), cells=(n, n))) for n in (2, 3, 4))
+    found = [verification.compare_half_space_displacements(zone, at.ball_radius, young, poisson) for zone in zones]
     for k, name in enumerate(("along", "across", "normal")):
         values = tuple(1e9 * float(f[0][k]) for f in found)
         exact, quantity = 1e9 * float(found[-1][1][k]), f"compliance, {name} [nm/N]"
@@ -231,8 +231,8 @@ def _verify_finite_elements() -> Iterator[Verification]:
 
 def _verify_ball_to_ball_friction() -> Iterator[Verification]:
     """Verify friction force and loss over the contact patch of two balls against friction at one point."""
-    choices = Choices((12, 16))
-    scene = prepare_rolling_case(shipped_scene_of_kind(LINEAR, KindScene), choices).touching
+    choices = RollingSettings((12, 16))
+    scene = prepare_rolling_case(shipped_scene_of_kind(LINEAR, FrictionScene), choices).touching
     found = solve_rolling(scene, choices)
     for where, bodies, grids in (("Hertz's circle", None, (20, 30, 40)), ("the balls' own patch", Sizes(), (8, 12, 16))):
         shares = [verification.compare_ball_friction_with_point(scene, found, 0, points, bodies) for points in grids]
@@ -259,7 +259,7 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
     """Verify tangential force and stick radius against Cattaneo and Mindlin, on half spaces and on finite balls."""
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
-            found = [verification.compare_with_mindlin(n, share, balls=balls) for n in (14, 20, 28)]
+            found = [verification.compare_with_mindlin(n, share, finite_balls=balls) for n in (14, 20, 28)]
             for k, name in enumerate(("force over mu P", "stick radius over a")):
                 values = tuple(float(f[0][k]) for f in found)
                 yield Verification(
@@ -296,7 +296,7 @@ def _verify_full_slip() -> Iterator[Verification]:
             for n in QUADRATURES
         ]
         found = [
-            _force_and_moment_as_in_stored_runs(solve_elastic_contact_on_grid(*GROOVE, shape), creep, limits)
+            _grid_corrected_force_and_moment(solve_elastic_contact_on_grid(*GROOVE, shape), creep, limits)
             for shape in LEVELS.values()
         ]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
@@ -309,18 +309,20 @@ def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, 
     return float(force[0]), 1e3 * moment
 
 
-def _rolling_force_and_moment(patch: Patch, creep: verification.Creep, compliance_factor: float) -> tuple[float, float]:
+def _rolling_force_and_moment(
+    patch: GridContact, creep: verification.Creep, compliance_factor: float
+) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] in steady rolling of bodies whose tangential compliance is scaled.
 
     The force is the component along rolling. ``patch``: contact ellipse divided into cells; ``creep``: creepages and
     spin; ``compliance_factor``: factor on the tangential compliance (the normal contact stays unchanged).
     """
     found = verification.solve_steady_rolling_for_creepages(patch, creep, MU, elastic=compliance_factor)
-    return _longitudinal_force_and_moment(found.force, found.moment)
+    return _longitudinal_force_and_moment(found.friction_force, found.friction_moment)
 
 
-def _force_and_moment_as_in_stored_runs(
-    patch: Patch, creep: verification.Creep, rigid_limits: list[tuple[float, float]]
+def _grid_corrected_force_and_moment(
+    patch: GridContact, creep: verification.Creep, rigid_limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
     """Return friction force [N] and moment [N mm] with the correction of the grid error that the stored 3D results have.
 
@@ -345,10 +347,10 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
         yield Verification(
             f"Kalker, a/b = {ratio}, nu = {poisson}",
             name,
-            one.values,
+            one.values_by_grid,
             value,
             REACH[3],
-            one.answer,
+            one.best_value,
             GRIDS[ratio][-1][1] / GRIDS[ratio][0][1],
         )
 

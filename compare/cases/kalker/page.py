@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification, verifications
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.levels import FINITE
-from rollbench.compare.reference.store import most_frequent_conditions, shipped_store
+from rollbench.compare.reference.store import most_frequent_measuring_conditions, shipped_store
 from rollbench.compare.running import gmsh_fault
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.rows import (
     GAP,
@@ -39,17 +39,17 @@ from rollbench.compare.studies.rolling.runs import (
     NAMES,
     SOURCE_LEVEL,
     RollingRun,
-    StoredVariants,
+    StoredBodyChoiceResults,
     find_body_variants,
-    load_run,
+    load_rolling_run,
 )
-from rollbench.hifi.rolling.balls import Choices, ContactOut, hertz_semi_axes, solve_rolling
-from rollbench.hifi.rolling.kinematics import Rolling, rolling_speed
+from rollbench.hifi.rolling.balls import ContactFriction, RollingSettings, hertz_semi_axes, solve_rolling
+from rollbench.hifi.rolling.kinematics import RollingBalls, rolling_speed
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Figure, Panel, PressureMap, PressurePanel, Row, Section, Table, TableColumn, Text
 from rollbench.reports.content import Series as Curve
 
-SIZES = (Quantity("choice", "choice", "", "s"), *(Quantity(name, name, "", "g6") for name in NAMES))
+SIZES = (TableColumn("choice", "choice", "", "s"), *(TableColumn(name, name, "", "g6") for name in NAMES))
 #: Contacts whose slip and traction are drawn: scene, number of the ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))
 #: Numbers of cells along and across the drawn contacts.
@@ -57,84 +57,89 @@ SHAPE = LEVELS[1]
 
 
 @dataclass(frozen=True)
-class PatchField:
+class SlipAndTractionField:
     """Slip, traction and stick zone over the n cells of one rolling contact."""
 
     #: Title of the drawing.
     title: str
     #: Centres of the cells: coordinates across and along the groove, (n, 2) [m].
-    at: Array
+    cell_centres: Array
     #: Slip velocity over the rolling speed, across and along the groove, (n, 2).
-    slip: Array
+    relative_slip_velocity: Array
     #: Tangential traction across and along the groove, (n, 2) [Pa].
-    traction: Array
+    tangential_traction: Array
     #: Whether each cell sticks.
-    stick: NDArray[np.bool_]
+    sticks: NDArray[np.bool_]
     #: Semi-axes of the contact ellipse across and along the groove [m].
-    semi: tuple[float, float]
+    semi_axes: tuple[float, float]
 
 
 @lru_cache(maxsize=1)
-def patch_fields() -> tuple[PatchField, ...]:
+def patch_fields() -> tuple[SlipAndTractionField, ...]:
     """Return slip and traction over the rolling contacts `SHOWN` that the report draws, on elastic half spaces."""
-    choices, out = Choices(SHAPE), []
+    choices, out = RollingSettings(SHAPE), []
     for name in dict.fromkeys(shown[0] for shown in SHOWN):
-        scene = shipped_case(name, KindScene)
+        scene = shipped_case(name, FrictionScene)
         case = prepare_rolling_case(scene, choices)
         found = solve_rolling(case.touching, choices)
         for _, ball, contact in (s for s in SHOWN if s[0] == name):
-            touch = case.contacts.index(contact)
-            one = next(c for c in found.contacts if (c.ball, c.touch) == (ball, touch))
-            out.append(_to_patch_field(f"{name}, {contact}", case.touching, one))
+            touch = case.contact_names.index(contact)
+            one = next(c for c in found.contacts if (c.ball_index, c.contact_index) == (ball, touch))
+            out.append(_slip_and_traction_of_contact(f"{name}, {contact}", case.touching, one))
     return tuple(out)
 
 
-def _to_patch_field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
+def _slip_and_traction_of_contact(title: str, scene: RollingBalls, contact: ContactFriction) -> SlipAndTractionField:
     """Convert a solved contact to slip and traction for drawing: first component across the groove, second along it.
 
     Slip is divided by the rolling speed. ``title``: title of the drawing; ``scene``: rolling balls with their contacts;
-    ``one``: solved contact of a ball.
+    ``contact``: solved contact of a ball.
     """
-    touch = scene.balls[one.ball].touches[one.touch]
+    touch = scene.balls[contact.ball_index].groove_contacts[contact.contact_index]
     speed = rolling_speed(touch, scene)
     along, across = hertz_semi_axes(scene, touch)
-    area = float(one.size.prod())
+    area = float(contact.cell_size.prod())
     turned = [1, 0]
-    return PatchField(
-        title, one.at[:, turned], one.slip[:, turned] / speed, one.tangential[:, turned] / area, one.stick, (across, along)
+    return SlipAndTractionField(
+        title,
+        contact.cell_centres[:, turned],
+        contact.slips[:, turned] / speed,
+        contact.tangential_forces[:, turned] / area,
+        contact.sticks,
+        (across, along),
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the 3D model of rolling contact.
 
-    ``study``: gives the folders of stored 3D results; the section names scenes without a stored result. ``step``: function
+    ``cache``: gives the folders of stored 3D results; the section names scenes without a stored result. ``step``: function
     that receives a message before each step.
     """
-    stores = study.stores or (shipped_store(),)
+    stores = cache.reference_folders or (shipped_store(),)
     step("rolling contacts with known answers")
     meshing = not gmsh_fault()
     proof = verifications(meshing=meshing)
     found = {name: compare_scene_with_stored_runs(name, stores) for name in (*PAIRS, *RINGS)}
-    study.record_used_scenes([name for name, rows in found.items() if rows])
+    cache.record_used_scenes([name for name, rows in found.items() if rows])
     step("linear bearing from rest")
     series = runs_from_rest()
     step("slip and traction; finite bodies of other sizes")
-    left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
-    sizes = StoredVariants((), left) if left else find_body_variants(stores, fresh=study.timed)
+    left = "Left out of a quick report." if cache.quick else "" if meshing else "Left out: gmsh cannot be loaded."
+    sizes = StoredBodyChoiceResults((), left) if left else find_body_variants(stores, fresh=cache.measures_run_times)
     patches = patch_fields()
     step("other grids, steps and paths")
     changed = force_changes_by_numerical_choices(stores, series, sizes.variants)
     missing = [name for name, rows in found.items() if not rows]
     items: list[Text | Table | Figure | PressureMap] = [
-        Text(_introduction(found, proof)),
-        Table.of(
+        Text(_introductory_paragraphs(found, proof)),
+        Table.from_rows(
             "rolling-verification",
             "3D model of rolling contact: error on three grids for contacts whose solution is known",
             [_verification_row(p) for p in proof],
             "No order of convergence is given where the error grows on a finer grid: it then depends on where cells lie.",
         ),
-        Table.of(
+        Table.from_rows(
             "rolling-pairs",
             "Force between two touching balls (Lin's Tables 3.5 and 3.7): low-order model against 3D model",
             [_low_order_against_3d_row(row) for name in PAIRS for row in found[name]],
@@ -145,23 +150,23 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             )
             + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
-        Table.of(
+        Table.from_rows(
             "rolling-ring",
             "Friction losses and torque of one ball of a rotary bearing: low-order model against 3D model",
             [_low_order_against_3d_row(row) for name in RINGS for row in found[name]],
         ),
-        *_finite_body_text_and_tables(stores, sizes, proof),
+        *_finite_body_results(stores, sizes, proof),
         *_slip_and_traction_maps(patches),
-        Table.of(
+        Table.from_rows(
             "rolling-grids", "3D model of rolling contact: force or torque on each grid", _grid_dependence_rows(stores)
         ),
-        Table.of(
+        Table.from_rows(
             "rolling-from-rest",
             "Two balls of a linear bearing started from rest: final ball-to-ball force against steady rolling",
             [_from_rest_row(s) for s in series],
         ),
         _from_rest_figure(series),
-        Table.of(
+        Table.from_rows(
             "rolling-choices",
             "3D model of rolling contact: change of the ball-to-ball force with grid, time step and other choices",
             [_numerical_choice_row(c) for c in changed],
@@ -180,21 +185,23 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def _finite_body_text_and_tables(
-    stores: Sequence[Path], sizes: StoredVariants, proof: Sequence[Verification]
+def _finite_body_results(
+    stores: Sequence[Path], sizes: StoredBodyChoiceResults, verified: Sequence[Verification]
 ) -> list[Text | Table | Figure | PressureMap]:
     """Return text and tables that compare bodies of finite size with elastic half spaces in the 3D rolling model.
 
     ``stores``: folders of the stored 3D results; ``sizes``: results of two touching balls by size and mesh of the bodies;
-    ``proof``: verifications of the model.
+    ``verified``: verifications of the model.
     """
     found = {name: compare_scene_with_stored_runs(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, rows in found.items() if not rows]
     shown = [row for rows in found.values() for row in rows if row.half_space is not None]
     changes = [
-        abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _finite_body_change(row)) is not None
+        abs(c)
+        for row in shown
+        if row.quantity in ("force 1-2", "torque") and (c := _change_by_finite_bodies_percent(row)) is not None
     ]
-    rub = max(abs(p.error) for p in proof if p.case.startswith("balls that touch"))
+    rub = max(abs(p.error_of_judged_value_percent) for p in verified if p.contact_problem.startswith("balls that touch"))
     most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
     return [
         Text(
@@ -215,7 +222,7 @@ def _finite_body_text_and_tables(
                 + most
             ]
         ),
-        Table.of(
+        Table.from_rows(
             "rolling-bodies",
             "3D model of rolling contact: forces with bodies of finite size instead of elastic half spaces",
             [_finite_body_row(row) for row in shown],
@@ -227,12 +234,12 @@ def _finite_body_text_and_tables(
             "Two touching balls in 3D: results for several sizes and meshes of the bodies of finite size",
             SIZES,
             [{"choice": v.choice, **v.values} for v in sizes.variants],
-            f"The grid of the contacts is the same in all rows. {sizes.words}",
+            f"The grid of the contacts is the same in all rows. {sizes.origin_sentence}",
         ),
     ]
 
 
-def _finite_body_change(row: RollingComparisonRow) -> float | None:
+def _change_by_finite_bodies_percent(row: RollingComparisonRow) -> float | None:
     """Return the change [%] of a quantity from half spaces to bodies of finite size; None if it is not computed."""
     change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
     return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
@@ -245,22 +252,24 @@ def _finite_body_row(row: RollingComparisonRow) -> Row:
         "scene": row.scene,
         "quantity": row.quantity,
         "unit": row.unit,
-        Quantity("rigid", "rigid bodies", "", "g5"): row.rigid,
-        Quantity("half", "half spaces", "", "g5"): row.half_space,
-        Quantity("finite", "finite bodies", "", "g5"): row.reference,
-        Quantity("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
-        Quantity("change", "change by finite bodies", "%", ".3f"): _finite_body_change(row),
-        Quantity("error", "low-order against finite bodies", "%", ".2f"): row.error_percent,
+        TableColumn("rigid", "rigid bodies", "", "g5"): row.rigid,
+        TableColumn("half", "half spaces", "", "g5"): row.half_space,
+        TableColumn("finite", "finite bodies", "", "g5"): row.reference,
+        TableColumn("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
+        TableColumn("change", "change by finite bodies", "%", ".3f"): _change_by_finite_bodies_percent(row),
+        TableColumn("error", "low-order against finite bodies", "%", ".2f"): row.error_percent,
     }
 
 
-def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
+def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Text | Table | Figure | PressureMap]:
     """Return two figures of rolling contacts: slip velocity, and tangential traction with the sticking cells marked.
 
     ``patches``: slip and traction over the cells of each contact.
     """
 
-    def draw_patch(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
+    def draw_patch(
+        p: SlipAndTractionField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool
+    ) -> PressurePanel:
         """Draw the magnitude of a vector field over the cells of one contact, and its direction by arrows.
 
         ``what``: vectors (n, 2) on n cells; ``unit_of``: value by which magnitudes are divided; ``note``: text below the
@@ -268,21 +277,23 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
         """
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
-        x, y = (1e6 * p.at).T
-        ellipse = (0.0, 0.0, 1e6 * p.semi[0], 1e6 * p.semi[1])
+        x, y = (1e6 * p.cell_centres).T
+        ellipse = (0.0, 0.0, 1e6 * p.semi_axes[0], 1e6 * p.semi_axes[1])
         arrows = (unit[:, 0].tolist(), unit[:, 1].tolist())
-        stick = p.stick.tolist() if marked and p.stick.any() else None
+        stick = p.sticks.tolist() if marked and p.sticks.any() else None
         return PressurePanel(p.title, x, y, size / unit_of, ellipse, note, arrows, 5, stick)
 
     axes = ("across the groove [um]", "along [um]")
-    fastest = [float(np.linalg.norm(p.slip, axis=1).max()) for p in patches]
-    sticking = [f"{int(p.stick.sum())} of {len(p.stick)} cells stick" for p in patches]
+    fastest = [float(np.linalg.norm(p.relative_slip_velocity, axis=1).max()) for p in patches]
+    sticking = [f"{int(p.sticks.sum())} of {len(p.sticks)} cells stick" for p in patches]
     return [
         PressureMap(
             "rolling-slip",
             "Slip velocity in the contact areas of rolling balls",
             [
-                draw_patch(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
+                draw_patch(
+                    p, p.relative_slip_velocity, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False
+                )
                 for p, most in zip(patches, fastest, strict=True)
             ],
             *axes,
@@ -293,7 +304,10 @@ def _slip_and_traction_maps(patches: Sequence[PatchField]) -> list[Text | Table 
         PressureMap(
             "rolling-traction",
             "Tangential traction and stick zones in the contact areas of rolling balls",
-            [draw_patch(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
+            [
+                draw_patch(p, p.tangential_traction, 1e6, note, marked=True)
+                for p, note in zip(patches, sticking, strict=True)
+            ],
             *axes,
             "tangential traction on the ball [MPa]",
             marked_label="sticks",
@@ -313,13 +327,13 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
     return f"The low-order model's force between two touching balls is off by {row.error_percent:+.2f} % of the 3D model's."
 
 
-def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[Verification]) -> list[str]:
+def _introductory_paragraphs(found: dict[str, list[RollingComparisonRow]], verified: Sequence[Verification]) -> list[str]:
     """Return the introductory paragraphs: 3D model, verifications passed, low-order results with errors above the limit.
 
-    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``proof``: verifications of the 3D
-    model. The results are ball-to-ball forces and torques.
+    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``verified``: verifications of the
+    3D model. The results are ball-to-ball forces and torques.
     """
-    reached = sum(p.within_permitted_error for p in proof)
+    reached = sum(p.within_permitted_error for p in verified)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
     beyond = [r for r in gated if not low_order_error_is_within_limit(r)]
     out = [
@@ -328,7 +342,7 @@ def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[
         "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
         "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
         "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature.",
-        f"{reached} of {len(proof)} known answers are met within their targets.{_spin_pole_sentence(proof)}",
+        f"{reached} of {len(verified)} known answers are met within their targets.{_spin_pole_sentence(verified)}",
     ]
     if gated:
         causes = {(r.scene, r.quantity): KNOWN.get((r.scene, r.quantity), "cause unknown") for r in beyond}
@@ -340,13 +354,20 @@ def _introduction(found: dict[str, list[RollingComparisonRow]], proof: Sequence[
     return out
 
 
-def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
+def _spin_pole_sentence(verified: Sequence[Verification]) -> str:
     """Return the sentence on the grid error of a slipping contact whose spin pole lies inside a cell; empty if unknown.
 
-    ``proof``: verifications of the 3D rolling model.
+    ``verified``: verifications of the 3D rolling model.
     """
     worst = [
-        max((abs(p.error) for p in proof if p.case == f"full slip {way}, pole inside"), default=np.nan)
+        max(
+            (
+                abs(p.error_of_judged_value_percent)
+                for p in verified
+                if p.contact_problem == f"full slip {way}, pole inside"
+            ),
+            default=np.nan,
+        )
         for way in (BY_GRID, RESOLVED, AS_RUNS)
     ]
     if not np.isfinite(worst).all():
@@ -359,19 +380,19 @@ def _spin_pole_sentence(proof: Sequence[Verification]) -> str:
     )
 
 
-def _verification_row(p: Verification) -> Row:
+def _verification_row(verification: Verification) -> Row:
     """Return the table row of a verification: values on three grids, exact value, error, order of convergence."""
     return {
-        "case": p.case,
-        "quantity": p.quantity,
-        Quantity("coarse", "coarse grid", "", "g5"): p.values[0],
-        Quantity("middle", "middle grid", "", "g5"): p.values[1],
-        Quantity("fine", "fine grid", "", "g5"): p.values[2],
-        Quantity("exact", "exact or printed", "", "g5"): p.exact,
-        Quantity("error", "error", "%", ".2f"): p.error,
-        Quantity("order", "order of convergence", "", ".1f"): p.order,
-        Quantity("reach", "permitted error", "%", "g3"): p.reach,
-        "verdict": "reached" if p.within_permitted_error else "not reached",
+        "case": verification.contact_problem,
+        "quantity": verification.quantity,
+        TableColumn("coarse", "coarse grid", "", "g5"): verification.values_by_grid[0],
+        TableColumn("middle", "middle grid", "", "g5"): verification.values_by_grid[1],
+        TableColumn("fine", "fine grid", "", "g5"): verification.values_by_grid[2],
+        TableColumn("exact", "exact or printed", "", "g5"): verification.exact_value,
+        TableColumn("error", "error", "%", ".2f"): verification.error_of_judged_value_percent,
+        TableColumn("order", "order of convergence", "", ".1f"): verification.convergence_order,
+        TableColumn("reach", "permitted error", "%", "g3"): verification.permitted_error_percent,
+        "verdict": "reached" if verification.within_permitted_error else "not reached",
     }
 
 
@@ -380,18 +401,18 @@ def _low_order_against_3d_row(row: RollingComparisonRow) -> Row:
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
-        Quantity("state", "load state", "", "s"): row.load_state,
+        TableColumn("state", "load state", "", "s"): row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
-        Quantity("low", "low-order", "", "g5"): row.low,
-        Quantity("reference", "3D", "", "g5"): row.reference,
-        Quantity("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
-        Quantity("error", "low-order against 3D", "%", ".2f"): row.error_percent,
-        Quantity("share", "±", "%", ".2f"): row.uncertainty_percent,
-        Quantity("printed", "printed low-order", "", "g4"): row.printed,
-        Quantity("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
-        Quantity("flat", "3D, flat contacts", "", "g5"): row.flat,
-        Quantity("rigid", "rigid bodies", "", "g5"): row.rigid,
+        TableColumn("low", "low-order", "", "g5"): row.low,
+        TableColumn("reference", "3D", "", "g5"): row.reference,
+        TableColumn("uncertainty", "±", "", "g2"): row.uncertainty if finite else None,
+        TableColumn("error", "low-order against 3D", "%", ".2f"): row.error_percent,
+        TableColumn("share", "±", "%", ".2f"): row.uncertainty_percent,
+        TableColumn("printed", "printed low-order", "", "g4"): row.printed,
+        TableColumn("ansys", "printed ANSYS", "", "g4"): row.printed_ansys,
+        TableColumn("flat", "3D, flat contacts", "", "g5"): row.flat,
+        TableColumn("rigid", "rigid bodies", "", "g5"): row.rigid,
         "verdict": f"within {LIMIT:g} %" if low_order_error_is_within_limit(row) else f"beyond {LIMIT:g} %",
     }
 
@@ -401,8 +422,8 @@ def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
 
     ``name``: name of the scene; ``stores``: folders of the results. The first result has the cell size of Lin's thesis.
     """
-    scene = shipped_case(name, KindScene)
-    found = (load_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
+    scene = shipped_case(name, FrictionScene)
+    found = (load_rolling_run(scene, level, stores) for level in (SOURCE_LEVEL, *LEVELS))
     return [run for run in found if run is not None]
 
 
@@ -414,48 +435,48 @@ def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]
-    common = most_frequent_conditions(run.measured for _, run in every)
+    common = most_frequent_measuring_conditions(run.measured for _, run in every)
     for name, run in every:
         key = next(k for k in run.elastic if k.startswith(("force", "torque")))
         out.append(
             {
                 "scene": name,
-                Quantity("state", "load state", "", "s"): interpretation_of_contact_loads(name),
+                TableColumn("state", "load state", "", "s"): interpretation_of_contact_loads(name),
                 "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
                 "cells": f"{run.shape[0]} x {run.shape[1]}",
-                Quantity("value", "force or torque", "", "g5"): run.values[key],
-                Quantity("alone", "without grid correction", "", "g5"): run.elastic[key],
-                Quantity("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
-                Quantity("lost", "power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
-                Quantity("stick", "cells that stick", "", "d"): run.sticking,
-                Quantity("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
+                TableColumn("value", "force or torque", "", "g5"): run.values[key],
+                TableColumn("alone", "without grid correction", "", "g5"): run.elastic[key],
+                TableColumn("elasticity", "change by elasticity", "", "g3"): run.elastic[key] - run.near_rigid[key],
+                TableColumn("lost", "power lost by finite differences", "%", ".3f"): 100.0 * run.upwind,
+                TableColumn("stick", "cells that stick", "", "d"): run.sticking,
+                TableColumn("seconds", "processor time", "s", "g3"): run.seconds if run.measured == common else None,
             }
         )
     return out
 
 
-def _from_rest_row(s: RunFromRest) -> Row:
+def _from_rest_row(run: RunFromRest) -> Row:
     """Return the table row of two balls started from rest: final force, force of steady rolling, time of first contact."""
-    meet = next((t for t, f in zip(s.time, s.force, strict=True) if f > 0.0), None)
+    meet = next((t for t, f in zip(run.time, run.force, strict=True) if f > 0.0), None)
     return {
-        Quantity("steps", "time steps", "", "d"): s.steps,
-        Quantity("force", "force at the end", "N", "g5"): s.force[-1],
-        Quantity("steady", "force in steady rolling", "N", "g5"): s.steady,
-        Quantity("error", "error", "%", ".2f"): float(error_percent(s.force[-1], s.steady)),
-        Quantity("meet", "balls meet at", "ms", ".1f"): None if meet is None else 1e3 * meet,
-        Quantity("seconds", "processor time", "s", "g3"): s.seconds,
+        TableColumn("steps", "time steps", "", "d"): run.steps,
+        TableColumn("force", "force at the end", "N", "g5"): run.force[-1],
+        TableColumn("steady", "force in steady rolling", "N", "g5"): run.steady_force,
+        TableColumn("error", "error", "%", ".2f"): float(error_percent(run.force[-1], run.steady_force)),
+        TableColumn("meet", "balls meet at", "ms", ".1f"): None if meet is None else 1e3 * meet,
+        TableColumn("seconds", "processor time", "s", "g3"): run.seconds,
     }
 
 
-def _numerical_choice_row(c: ChoiceEffect) -> Row:
+def _numerical_choice_row(effect: ChoiceEffect) -> Row:
     """Return the table row of a numerical choice, such as the grid: its effect on the ball-to-ball force, uncertainty."""
     return {
-        "scene": c.scene,
-        "choice": c.choice,
-        "tried": c.tried,
-        Quantity("change", "largest change of the force", "%", "g2"): c.change,
-        Quantity("uncertainty", "stated uncertainty", "%", "g2"): c.uncertainty,
-        "verdict": "within" if c.within else "beyond",
+        "scene": effect.scene,
+        "choice": effect.choice,
+        "tried": effect.tried_variants,
+        TableColumn("change", "largest change of the force", "%", "g2"): effect.change,
+        TableColumn("uncertainty", "stated uncertainty", "%", "g2"): effect.uncertainty,
+        "verdict": "within" if effect.is_within_uncertainty else "beyond",
     }
 
 
@@ -472,7 +493,7 @@ def _from_rest_figure(series: Sequence[RunFromRest]) -> Figure:
         "rolling-from-rest",
         f"Two balls of a linear bearing started from rest {1e6 * GAP:g} um apart: ball-to-ball force and speeds over time",
         [
-            Panel("ball-to-ball force", "time [ms]", "force [N]", forces, zero=True),
+            Panel("ball-to-ball force", "time [ms]", "force [N]", forces, include_zero=True),
             Panel(f"speed of the balls, {last.steps} steps", "time [ms]", "speed [mm/s]", speeds),
         ],
         f"Lin's thesis used {series[0].steps} steps.",
@@ -486,7 +507,7 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
     """
     curves = []
     found = {name: [r for r in _stored_rolling_runs(name, stores) if r.level != SOURCE_LEVEL] for name in PAIRS}
-    common = most_frequent_conditions(r.measured for runs in found.values() for r in runs)
+    common = most_frequent_measuring_conditions(r.measured for runs in found.values() for r in runs)
     for name, every in found.items():
         runs = [r for r in every if r.measured == common]
         if len(runs) < len(LEVELS) or not runs[-1].values["force 1-2 N"] > 0.0:
@@ -496,7 +517,9 @@ def _error_over_time_figure(stores: Sequence[Path]) -> Figure | None:
         curves.append(Curve(name, [r.seconds for r in runs[:-1]], errors))
     if not curves:
         return None
-    draw_patch = Panel("ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log="xy")
+    draw_patch = Panel(
+        "ball-to-ball force", "processor time [s]", "difference from the finest grid [%]", curves, log_axes="xy"
+    )
     return Figure(
         "rolling-times",
         "3D model of rolling contact: error of the ball-to-ball force over processor time",

@@ -16,14 +16,14 @@ from math import radians
 
 import numpy as np
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary
+from rollbench.compare.cases.lin.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, VERTICAL, solve_rotary_ball
 from rollbench.compare.cases.lin.evidence.source_cases import (
     four_point_bearing,
     groove_of_table_3_6,
     screw_pair_as_printed,
     screw_pair_with_inferred_oversize,
 )
-from rollbench.lowfi.friction.as_source.chain import SHARPNESS, LinMotion
+from rollbench.lowfi.friction.as_source.chain import SHARPNESS, BallMotionsByLin
 from rollbench.lowfi.friction.as_source.screw import (
     chain_motions_from_random_starts,
     linear_solutions_from_starts,
@@ -31,8 +31,8 @@ from rollbench.lowfi.friction.as_source.screw import (
     sigmoid_of_moving_or_resting_screw,
 )
 from rollbench.lowfi.friction.bearing import Bearing, solve_ball_of_bearing, solve_bearing
-from rollbench.lowfi.friction.contact.equilibrium import MotionProblem, least_dissipation, motion_by_root
-from rollbench.lowfi.friction.contact.laws import Sigmoid
+from rollbench.lowfi.friction.contact.equilibrium import BodyMotionProblem, least_dissipation, motion_by_root
+from rollbench.lowfi.friction.contact.laws import SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, contact_angle_deviations, loads_in_equilibrium
 from rollbench.lowfi.friction.linear.chain import (
     LinearChain,
@@ -40,12 +40,12 @@ from rollbench.lowfi.friction.linear.chain import (
     prepare_linear_chain,
     solve_linear_chain,
 )
-from rollbench.lowfi.friction.screw.chain import Chain as ScrewChain
 from rollbench.lowfi.friction.screw.chain import ChainMotion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import ScrewBallChain as ScrewChain
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, lin_sigmoid_law
-from rollbench.lowfi.friction.screw.run import Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import Pair, solve_pair_of_screw_balls
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Cell, Quantity, Row, Table, Text
+from rollbench.reports.content import Cell, Row, Table, TableColumn, Text
 
 #: Values of k_S, the sharpness of Lin's sigmoid friction law; 100 in cases that vary another input.
 SHARPNESSES = (100.0, 1e3, 1e4)
@@ -108,7 +108,7 @@ class GroupResult:
 
 
 @dataclass
-class SolutionTally:
+class ExtremeGroupTally:
     """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them.
 
     The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``direct``, ``restarts``: number of random starts
@@ -124,38 +124,40 @@ class SolutionTally:
     spread: float = 0.0
     source: int = 0
     source_tries: int = 0
-    direct: int = 0
-    restarts: int = 0
-    overlapping: int = 0
-    other: int = 0
+    converged_from_random_starts: int = 0
+    random_starts: int = 0
+    roots_with_overlap: int = 0
+    roots_with_other_forces: int = 0
 
-    def count_solution_by_lin_method(self, found: LinMotion | None, force: Array, bound: float) -> None:
+    def count_solution_by_lin_method(self, found: BallMotionsByLin | None, force: Array, friction_bound: float) -> None:
         """Count one attempt by Lin's root finding, and compare its ball-to-ball forces with those of least dissipation.
 
         ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
-        by this package's solver, for n pairs of neighbouring balls; ``bound``: largest possible friction force between
-        two balls [N], by which differences of forces are divided. A root counts as solved if no two balls overlap or pull
-        at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
+        by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction force
+        between two balls [N], by which differences of forces are divided. A root counts as solved if no two balls overlap
+        or pull at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
             return
-        self.overlapping += found.status == "overlapping"
+        self.roots_with_overlap += found.status == "overlapping"
         if found.status == "exact":
             self.source += 1
-            self.other += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (bound or 1.0)
+            self.roots_with_other_forces += float(np.max(np.abs(found.ball_force - force), initial=0.0)) > OTHER * (
+                friction_bound or 1.0
+            )
 
-    def count_own_solution(self, good: bool, power: float, loss: float, apart: float) -> None:
+    def count_own_solution(self, converged: bool, power: float, loss: float, relative_difference: float) -> None:
         """Count one solution of this package's friction solver, and update the largest errors.
 
-        ``good``: whether this solution converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power [W]
-        dissipated by friction; ``apart``: relative difference of this solution's loss or ball-to-ball forces from those of
-        the first solution of the same case.
+        ``converged``: whether this solution converged; ``power``: power [W] put in by the driven surfaces; ``loss``: power
+        [W] dissipated by friction; ``relative_difference``: relative difference of this solution's loss or ball-to-ball
+        forces from those of the first solution of the same case.
         """
         self.tries += 1
-        self.ours += good
+        self.ours += converged
         self.energy = max(self.energy, abs(power - loss) / max(loss, NO_POWER))
-        self.spread = max(self.spread, apart)
+        self.spread = max(self.spread, relative_difference)
 
     def to_group_result(self, group: str, model: str, note: str = "") -> GroupResult:
         """Return the results of the group of cases, from the solutions counted so far.
@@ -164,10 +166,13 @@ class SolutionTally:
         remarks on random starts and on roots of Lin's method with overlaps or other forces are added.
         """
         tried = self.source_tries or None
-        if self.restarts:
-            led = f"{self.direct} of {self.restarts} random starts led there by themselves"
+        if self.random_starts:
+            led = f"{self.converged_from_random_starts} of {self.random_starts} random starts led there by themselves"
             note = f"{note}; {led}" if note else led
-        for count, what in ((self.overlapping, "let balls overlap"), (self.other, "differ from the answer found here")):
+        for count, what in (
+            (self.roots_with_overlap, "let balls overlap"),
+            (self.roots_with_other_forces, "differ from the answer found here"),
+        ):
             if count:
                 roots = f"roots of the source's that {what}: {count}"
                 note = f"{note}; {roots}" if note else roots
@@ -186,7 +191,7 @@ class SolutionTally:
 
 
 @dataclass(frozen=True)
-class BallProblem:
+class BallMotionProblem:
     """The motion of one ball under given contact loads, as posed to both methods: least dissipation and Lin's root finding.
 
     ``problem``: contacts of the ball and velocities of the driven surfaces; ``law``: Lin's sigmoid friction law;
@@ -194,24 +199,26 @@ class BallProblem:
     (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
     """
 
-    problem: MotionProblem
-    law: Sigmoid
-    power: Callable[[Array], float]
+    problem: BodyMotionProblem
+    friction_law: SigmoidLaw
+    power_input: Callable[[Array], float]
 
 
-def motion_problem_of_rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS) -> BallProblem:
+def motion_problem_of_rotary_ball(
+    bearing: Bearing, axial: float, u_y: float, sharpness: float = SHARPNESS
+) -> BallMotionProblem:
     """Return the motion problem of one ball of the rotary bearing of section 3.2 of Lin's thesis.
 
     ``bearing``: grooves, balls and friction; ``axial``: axial load on the inner ring [N]; ``u_y``: radial displacement of
     the inner ring [m]; ``sharpness``: k_S of Lin's sigmoid friction law, the larger the closer to Coulomb's law.
     """
     s = solve_ball_of_bearing(bearing, axial, u_y, fast=True)
-    return BallProblem(
+    return BallMotionProblem(
         s.problem, sigmoid_of_moving_or_resting_screw(bearing, sharpness), lambda f: _power_of_driven_surfaces(s.problem, f)
     )
 
 
-def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallProblem:
+def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpness: float = SHARPNESS) -> BallMotionProblem:
     """Return the motion problem of the second of two balls of a ball screw that do not touch each other.
 
     ``pair``: both balls with their grooves; ``force``: loads (4,) [N] of the ball's contacts SL, SR, NL and NR (screw or
@@ -221,67 +228,74 @@ def motion_problem_of_screw_ball(pair: Pair, force: Array | None = None, sharpne
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:
-        load = solve_pair(pair).free.load
+        load = solve_pair_of_screw_balls(pair).apart.loads_with_friction
         force, angle = load.force[1], load.angle[1]
-    maps, drives = g.maps(g.normals(angle))
-    problem = MotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
-    return BallProblem(
+    maps, drives = g.contact_kinematics(g.normals(angle))
+    problem = BodyMotionProblem(contact_ellipses_of_screw(g, force), maps, drives, np.zeros(4))
+    return BallMotionProblem(
         problem, sigmoid_of_moving_or_resting_screw(g, sharpness), lambda f: _power_of_driven_surfaces(problem, f)
     )
 
 
-def _power_of_driven_surfaces(problem: MotionProblem, wrench: Array) -> float:
+def _power_of_driven_surfaces(problem: BodyMotionProblem, friction_forces_and_moments: Array) -> float:
     """Return the power [W] that the driven surfaces must supply against the friction on the ball.
 
-    ``problem``: contacts of the ball and velocities of the driven surfaces; ``wrench``: friction on the ball at each of m
-    contacts, (m, 3): two force components [N] and the spin moment [N m].
+    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_forces_and_moments``: friction on
+    the ball at each of m contacts, (m, 3): two force components [N] and the spin moment [N m].
     """
-    return -float(np.sum(wrench * problem.drives))
+    return -float(np.sum(friction_forces_and_moments * problem.imposed_contact_motions))
 
 
-def solve_ball_by_both_methods(tally: SolutionTally, ball: BallProblem, rng: np.random.Generator, off: float) -> None:
+def solve_ball_by_both_methods(
+    tally: ExtremeGroupTally, ball: BallMotionProblem, rng: np.random.Generator, start_distance: float
+) -> None:
     """Solve a ball's motion by least dissipation and by Lin's root finding from random starts, and count the solutions.
 
     ``tally``: counts of the group of cases, which are updated; ``ball``: motion problem; ``rng``: generator of the random
-    starts; ``off``: largest relative distance of the starts from the solution of least dissipation.
+    starts; ``start_distance``: largest relative distance of the starts from the solution of least dissipation.
     """
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
-    size = float(np.max(np.abs(first.q))) or 1.0
+    size = float(np.max(np.abs(first.unknown_velocities))) or 1.0
     starts = [
-        first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
+        first.unknown_velocities
+        + start_distance
+        * rng.uniform(-1.0, 1.0, first.unknown_velocities.size)
+        * np.maximum(np.abs(first.unknown_velocities), 0.01 * size)
         for _ in range(STARTS)
     ]
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
-        tally.count_own_solution(m.status != "failed", ball.power(wrench), m.loss, apart)
+        tally.count_own_solution(m.status != "failed", ball.power_input(wrench), m.loss, apart)
     for q in starts:
-        tally.source += motion_by_root(ball.problem, ball.law, q, fast=True).status == "exact"
+        tally.source += motion_by_root(ball.problem, ball.friction_law, q, fast=True).status == "exact"
         tally.source_tries += 1
 
 
-def solve_ball_group(
-    group: str, model: str, balls: Sequence[BallProblem], note: str = "", off: float = FAR_START
+def solve_single_ball_group(
+    group: str, model: str, balls: Sequence[BallMotionProblem], note: str = "", start_distance: float = FAR_START
 ) -> GroupResult:
     """Solve a group of single balls by least dissipation and by Lin's root finding, and return the group's results.
 
     ``group``: name of the inputs that are varied; ``model``: name of the model; ``balls``: motion problems; ``note``:
-    remark for the table; ``off``: largest relative distance of the random starts from the solution.
+    remark for the table; ``start_distance``: largest relative distance of the random starts from the solution.
     """
-    rng, tally = np.random.default_rng(1), SolutionTally()
+    rng, tally = np.random.default_rng(1), ExtremeGroupTally()
     for ball in balls:
-        solve_ball_by_both_methods(tally, ball, rng, off)
+        solve_ball_by_both_methods(tally, ball, rng, start_distance)
     return tally.to_group_result(group, model, note)
 
 
-def screw_ball_with_unequal_diagonals(share: float) -> BallProblem:
+def screw_ball_with_unequal_diagonals(load_ratio: float) -> BallMotionProblem:
     """Return the motion problem of a ball of a ball screw whose two pairs of opposite contacts carry different loads.
 
-    ``share``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut, L:
-    left, R: right).
+    ``load_ratio``: load of the contacts SR and NL divided by the load of the contacts SL and NR, 100 N (S: screw, N: nut,
+    L: left, R: right).
     """
-    return motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, share, share, 1.0]))
+    return motion_problem_of_screw_ball(
+        screw_pair_with_inferred_oversize(0.0), 100.0 * np.array([1.0, load_ratio, load_ratio, 1.0])
+    )
 
 
 def solve_all_single_ball_groups() -> list[GroupResult]:
@@ -293,19 +307,19 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
     for off, k in product((NEAR_START, FAR_START), SHARPNESSES):
         note = f"starts within {off:.0%}"
         printed = [motion_problem_of_rotary_ball(replace(ROTARY, hertz="as printed"), AXIAL, u, k) for u in CASES.values()]
-        rows.append(solve_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
+        rows.append(solve_single_ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         pairs = [
             motion_problem_of_screw_ball(p(two), None, k)
             for p in (screw_pair_as_printed, screw_pair_with_inferred_oversize)
         ]
-        rows.append(solve_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
+        rows.append(solve_single_ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", pairs, note, off))
     rows += [
-        solve_ball_group(
+        solve_single_ball_group(
             "theta to ±5°",
             "screw",
             [motion_problem_of_screw_ball(screw_pair_with_inferred_oversize(radians(t))) for t in ANGLES],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "mu 0.001 to 0.5",
             "screw",
             [
@@ -315,39 +329,39 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
                 for m in MU
             ],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "mu 0.001 to 0.5",
             "rotary",
             [motion_problem_of_rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "two-point transition",
             "rotary",
             [motion_problem_of_rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "two-point transition",
             "screw",
             [screw_ball_with_unequal_diagonals(10.0**-k) for k in range(13)],
             "load of the second diagonal down to 1e-12 of the first",
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "loads 1e-3 to 1e5 N",
             "rotary",
             [motion_problem_of_rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "loads 1e-3 to 1e5 N",
             "screw",
             [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), force=(f,))) for f in LOADS],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "clearance to 10 µm",
             "rotary",
             [motion_problem_of_rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "clearance to 10 µm",
             "screw",
             [
@@ -355,13 +369,13 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
                 for c in CLEARANCE
             ],
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "zero speed",
             "rotary",
             [motion_problem_of_rotary_ball(replace(ROTARY, screw_speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
-        solve_ball_group(
+        solve_single_ball_group(
             "zero speed",
             "screw",
             [motion_problem_of_screw_ball(replace(screw_pair_with_inferred_oversize(two), groove=rest))],
@@ -383,41 +397,45 @@ class LinearBearingBalls:
     """
 
     bearing: LinearBearing
-    angles: Array
+    contact_angles: Array
     loads: Array
 
-    def chain(self) -> LinearChain:
+    def to_linear_chain(self) -> LinearChain:
         """Return the row of balls in the form that the solver for neighbouring balls takes."""
-        return prepare_linear_chain(self.bearing, self.angles, self.loads)
+        return prepare_linear_chain(self.bearing, self.contact_angles, self.loads)
 
 
 def solve_linear_bearing_group(
     group: str,
     cases: Sequence[LinearBearingBalls],
     model: str = "linear pair",
-    starts: int = CHAIN_STARTS,
-    most: int = 200,
+    random_starts: int = CHAIN_STARTS,
+    most_balls_by_lin_method: int = 200,
     note: str = "",
 ) -> GroupResult:
     """Solve neighbouring balls of a linear bearing by least dissipation and by Lin's method; return the group's results.
 
-    ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model; ``starts``:
-    number of random starts in addition to the solver's default start; ``most``: largest number of balls in a row that Lin's
-    method also solves; ``note``: remark for the table.
+    ``group``: name of the inputs that are varied; ``cases``: rows of balls; ``model``: name of the model;
+    ``random_starts``: number of random starts in addition to the solver's default start; ``most_balls_by_lin_method``:
+    largest number of balls in a row that Lin's method also solves; ``note``: remark for the table.
     """
-    rng, tally = np.random.default_rng(2), SolutionTally()
+    rng, tally = np.random.default_rng(2), ExtremeGroupTally()
     for case in cases:
         tally.cases += 1
-        c = case.chain()
+        c = case.to_linear_chain()
         first = solve_linear_chain(c).ball_force
-        for k in range(starts + 1):
-            r = solve_linear_chain(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
-            apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
+        for k in range(random_starts + 1):
+            r = solve_linear_chain(
+                c, None if k == 0 else c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3))
+            )
+            apart = float(np.max(np.abs(r.ball_force - first))) / (c.force_unit or 1.0)
             tally.count_own_solution(r.status == "converged", r.power, r.loss, apart)
-        if c.count > most:
+        if c.count > most_balls_by_lin_method:
             continue
-        for found in linear_solutions_from_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
-            tally.count_solution_by_lin_method(found, first, c.scale)
+        for found in linear_solutions_from_starts(
+            case.bearing, case.contact_angles, case.loads, rng, random_starts, FAR_START
+        ):
+            tally.count_solution_by_lin_method(found, first, c.force_unit)
     return tally.to_group_result(group, model, note)
 
 
@@ -445,7 +463,7 @@ def random_contact_angles_and_loads(count: int) -> tuple[Array, Array]:
     return angles, loads_in_equilibrium(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
-def linear_bearing_balls_at_random(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
+def random_linear_bearing_balls(count: int, mu: float = LINEAR.mu) -> LinearBearingBalls:
     """Return neighbouring balls of the linear bearing of Lin's section 3.3 with random contact angles and loads.
 
     ``count``: number of balls; ``mu``: friction coefficient of grooves and of touching balls.
@@ -453,38 +471,39 @@ def linear_bearing_balls_at_random(count: int, mu: float = LINEAR.mu) -> LinearB
     return LinearBearingBalls(replace(LINEAR, mu=mu, mu_balls=mu), *random_contact_angles_and_loads(count))
 
 
-def balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
+def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingBalls:
     """Return neighbouring balls of the linear bearing with random contact loads, about a quarter of which are zero.
 
     The contact loads of a ball are not in equilibrium. ``count``: number of balls; ``mu``: friction coefficient of
     grooves and of touching balls.
     """
-    case, rng = linear_bearing_balls_at_random(count, mu), np.random.default_rng(1000 + count)
+    case, rng = random_linear_bearing_balls(count, mu), np.random.default_rng(1000 + count)
     loads = case.loads * rng.uniform(0.2, 1.8, case.loads.shape)
     return replace(case, loads=np.where(rng.uniform(size=loads.shape) < UNLOADED, 0.0, loads))
 
 
-def pair_with_nearly_unloaded_diagonal(share: float) -> LinearBearingBalls:
+def pair_with_nearly_unloaded_diagonal(side_force_ratio_plus_one: float) -> LinearBearingBalls:
     """Return two balls of the linear bearing, with one pair of opposite contacts of each ball nearly unloaded.
 
-    ``share``: side force over vertical load, plus 1. If it is zero, this pair of opposite contacts carries no load.
+    ``side_force_ratio_plus_one``: side force over vertical load, plus 1. If it is zero, this pair of opposite contacts
+    carries no load.
     """
-    return linear_bearing_pair(2.0, -1.0 + share)
+    return linear_bearing_pair(2.0, -1.0 + side_force_ratio_plus_one)
 
 
-def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
+def solve_screw_pair_group(group: str, pairs: Sequence[Pair], note: str = "") -> GroupResult:
     """Solve two touching balls of a screw by this package and by Lin's method; return the group's results.
 
     Contact loads and motions are solved; both methods also start from random motions and ball-to-ball forces. ``group``:
     name of the inputs that are varied; ``pairs``: the cases; ``note``: remark for the table.
     """
-    rng, tally = np.random.default_rng(3), SolutionTally()
+    rng, tally = np.random.default_rng(3), ExtremeGroupTally()
     for p in pairs:
         tally.cases += 1
-        r = solve_pair(p)
+        r = solve_pair_of_screw_balls(p)
         m = r.touching.motion
         tally.count_own_solution(r.converged, m.input_power, m.loss, 0.0)
-        load = r.touching.load
+        load = r.touching.loads_with_friction
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
         count_solutions_from_random_starts(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.ball_loads.max())
@@ -494,26 +513,30 @@ def solve_screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Grou
 
 
 def count_solutions_from_random_starts(
-    tally: SolutionTally, chain: ScrewChain, first: ChainMotion, rng: np.random.Generator, off: float
+    tally: ExtremeGroupTally,
+    chain: ScrewChain,
+    known_solution: ChainMotion,
+    rng: np.random.Generator,
+    start_distance: float,
 ) -> None:
     """Solve neighbouring balls of a screw from random starts, and count the solutions in ``tally``.
 
-    ``chain``: the balls with given contact loads; ``first``: known solution, with whose ball-to-ball forces the others
-    are compared; ``rng``: generator of the random starts; ``off``: largest relative distance of the starting motion from
-    the known solution.
+    ``chain``: the balls with given contact loads; ``known_solution``: known solution, with whose ball-to-ball forces the
+    others are compared; ``rng``: generator of the random starts; ``start_distance``: largest relative distance of the
+    starting motion from the known solution.
     """
     bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-    size = np.maximum(first.ball_force, NO_FORCE * bound)
+    size = np.maximum(known_solution.ball_force, NO_FORCE * bound)
     for _ in range(CHAIN_STARTS):
-        q = first.q * rng.uniform(1.0 - off, 1.0 + off, first.q.shape)
+        q = known_solution.q * rng.uniform(1.0 - start_distance, 1.0 + start_distance, known_solution.q.shape)
         m = solve_motion_of_chain(chain, (q, size * rng.uniform(0.0, 2.0, size.size)))
-        apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
+        apart = float(np.max(np.abs(m.ball_force - known_solution.ball_force))) / bound
         tally.count_own_solution(m.converged, m.input_power, m.loss, apart)
-        tally.restarts += 1
-        tally.direct += m.from_start
+        tally.random_starts += 1
+        tally.converged_from_random_starts += m.found_from_given_start
 
 
-def random_loads_angles_and_slacks(count: int) -> tuple[Array, Array, Array]:
+def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Array]:
     """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and permitted closing rates (N,) of N balls.
 
     The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The closing rate
@@ -526,43 +549,43 @@ def random_loads_angles_and_slacks(count: int) -> tuple[Array, Array, Array]:
     return force, angle, np.append(slack[:-1], np.inf)
 
 
-def screw_balls_at_random(count: int) -> ScrewChain:
+def random_screw_balls(count: int) -> ScrewChain:
     """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
 
     ``count``: number of balls. The closing rate (slack) of a ball is the largest rate [rad/s] at which it may gain on the
     next one.
     """
-    g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_slacks(count)
+    g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_closing_rates(count)
     return ScrewChain(g, force, g.normals(angle), slack)
 
 
-def solve_screw_chains() -> GroupResult:
+def solve_screw_chain_group() -> GroupResult:
     """Solve rows of neighbouring balls of a screw by this package and by Lin's method; return the results of all rows.
 
     The rows have the numbers of balls in `BALLS`.
     """
-    rng, tally = np.random.default_rng(4), SolutionTally()
+    rng, tally = np.random.default_rng(4), ExtremeGroupTally()
     for count in BALLS:
         tally.cases += 1
-        chain = screw_balls_at_random(count)
+        chain = random_screw_balls(count)
         m = solve_motion_of_chain(chain)
         tally.count_own_solution(m.converged, m.input_power, m.loss, 0.0)
         count_solutions_from_random_starts(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
         for found in chain_motions_from_random_starts(
-            chain, random_loads_angles_and_slacks(count)[1], m, rng, CHAIN_STARTS, NEAR_START
+            chain, random_loads_angles_and_closing_rates(count)[1], m, rng, CHAIN_STARTS, NEAR_START
         ):
             tally.count_solution_by_lin_method(found, m.ball_force[:-1], bound)
     return tally.to_group_result("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
-def solve_bearing_with_clearance() -> GroupResult:
+def solve_bearing_clearance_group() -> GroupResult:
     """Solve the four-point bearing of Lin's Table 4.2 with several clearances, and return the results of all cases.
 
     Loads and motions are solved under a load at 12 deg to the axis, for an inner ring that is free to tilt and one that
     is not.
     """
-    tally = SolutionTally()
+    tally = ExtremeGroupTally()
     for c, tilt in product(CLEARANCE, (False, True)):
         tally.cases += 1
         s = solve_bearing(four_point_bearing(clearance=c, tilt=tilt), radians(12.0))
@@ -589,11 +612,11 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
         ),
         solve_linear_bearing_group("zero speed", [linear_bearing_pair(2.0, -0.6, speed=0.0)]),
         solve_linear_bearing_group(
-            "chains", [linear_bearing_balls_at_random(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"
+            "chains", [random_linear_bearing_balls(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"
         ),
         solve_linear_bearing_group(
             "chains, mu 0.001 to 0.5",
-            [linear_bearing_balls_at_random(n, m) for n, m in product(BALLS, MU)],
+            [random_linear_bearing_balls(n, m) for n, m in product(BALLS, MU)],
             f"linear, {', '.join(map(str, BALLS))} balls",
             1,
             SOURCE_BALLS,
@@ -601,38 +624,38 @@ def solve_all_groups_of_touching_balls() -> list[GroupResult]:
         ),
         solve_linear_bearing_group(
             "chains, mu 0.001 to 0.5",
-            [balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
+            [random_balls_with_unloaded_contacts(n, m) for n, m in product(BALLS, MU)],
             "the same, a quarter of the contacts unloaded",
             1,
             SOURCE_BALLS,
             few,
         ),
-        solve_screw_pairs("theta to ±5°", [screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
-        solve_screw_pairs("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
-        solve_screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
-        solve_screw_pairs(
+        solve_screw_pair_group("theta to ±5°", [screw_pair_with_inferred_oversize(radians(t)) for t in ANGLES]),
+        solve_screw_pair_group("mu 0.001 to 0.5", [replace(base, groove=groove_of_table_3_6(mu=m)) for m in MU]),
+        solve_screw_pair_group("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
+        solve_screw_pair_group(
             "two-point transition",
             [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
             "oversize 0.8 to 1.1 µm",
         ),
-        solve_screw_pairs(
+        solve_screw_pair_group(
             "clearance to 10 µm",
             [replace(screw_pair_as_printed(two), oversize=-c, coupling="none") for c in CLEARANCE],
             "loads not coupled",
         ),
-        solve_screw_pairs(
+        solve_screw_pair_group(
             "clearance to 10 µm",
             [replace(screw_pair_as_printed(two), oversize=-c) for c in CLEARANCE],
             "friction moves the balls",
         ),
-        solve_screw_pairs(
+        solve_screw_pair_group(
             "small loads and clearance",
             [replace(screw_pair_as_printed(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
             "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
         ),
-        solve_screw_pairs("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
-        solve_screw_chains(),
-        solve_bearing_with_clearance(),
+        solve_screw_pair_group("zero speed", [replace(base, groove=groove_of_table_3_6(nut_speed=0.0))]),
+        solve_screw_chain_group(),
+        solve_bearing_clearance_group(),
     ]
 
 
@@ -675,7 +698,7 @@ def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
     ]
 
 
-def extreme_pair_rows() -> list[Row]:
+def extreme_linear_pair_rows() -> list[Row]:
     """Return table rows of extreme cases of two balls in the linear bearing, each case solved from three starts.
 
     Each row is one group of cases: numbers of cases and of converged solutions, largest residual, largest relative
@@ -686,20 +709,20 @@ def extreme_pair_rows() -> list[Row]:
     for group, chains in groups_of_extreme_linear_pairs():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
-            starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
+            starts = [None, *(c.kernel_arrays.nominal_motion * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
             found = [solve_linear_chain(c, start) for start in starts]
             solved += sum(r.status == "converged" for r in found)
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
-            spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.scale for r in found))
-            residual = max(residual, *(max(r.residual, r.lag) for r in found))
+            spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.force_unit for r in found))
+            residual = max(residual, *(max(r.largest_imbalance_ratio, r.largest_closing_speed_ratio) for r in found))
         rows.append(
             {
-                Quantity("group", "varied inputs", "", "s"): group,
+                TableColumn("group", "varied inputs", "", "s"): group,
                 "cases": len(chains),
-                Quantity("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
-                Quantity("residual", "largest residual", "", "g2"): residual,
-                Quantity("energy", "power input less dissipation, over dissipation", "", "g2"): energy,
-                Quantity("spread", "difference of the ball-to-ball force between starts", "", "g2"): spread,
+                TableColumn("solved", "solved from three starts", "", "s"): f"{solved} of {3 * len(chains)}",
+                TableColumn("residual", "largest residual", "", "g2"): residual,
+                TableColumn("energy", "power input less dissipation, over dissipation", "", "g2"): energy,
+                TableColumn("spread", "difference of the ball-to-ball force between starts", "", "g2"): spread,
             }
         )
     return rows
@@ -712,36 +735,36 @@ def root_finding_rows() -> list[Row]:
     50 %. A row counts the starts from which each method finds the solution.
     """
     rng, rows = np.random.default_rng(5), list[Row]()
-    first = {case: solve_rotary(case, "as printed") for case in CASES}
+    first = {case: solve_rotary_ball(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
         s, law = first[case], lin_sigmoid_law(ROTARY, sharpness)
-        row: Row = {"case": case, Quantity("sharpness", "k_S", "", "g3"): sharpness}
+        row: Row = {"case": case, TableColumn("sharpness", "k_S", "", "g3"): sharpness}
         for key, words, off in (("near", "1 % of the solution", 0.01), ("far", "50 %", 0.5)):
-            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
+            begin = [s.motion.unknown_velocities * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             by_root = sum(motion_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
             heading = f"root finding, starts within {words}"
-            row[Quantity(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
+            row[TableColumn(key, heading, "", "s")] = f"{by_root} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        ours = Quantity("ours", "least dissipation, starts within 50 %", "", "s")
+        ours = TableColumn("ours", "least dissipation, starts within 50 %", "", "s")
         rows.append(row | {ours: f"{good} of {ROOT_STARTS}"})
     return rows
 
 
-def solve_all_groups() -> list[GroupResult]:
+def solve_all_extreme_groups() -> list[GroupResult]:
     """Solve all groups of extreme cases and return their results."""
     return [*solve_all_single_ball_groups(), *solve_all_groups_of_touching_balls()]
 
 
 COLUMNS = (
-    Quantity("group", "varied inputs", "", "s"),
-    Quantity("model", "model", "", "s"),
-    Quantity("cases", "cases", "", "s"),
-    Quantity("ours", "solved by this package, from all starts", "", "s"),
-    Quantity("energy", "power input less dissipation, over dissipation", "", "g2"),
-    Quantity("spread", "difference between starts", "", "g2"),
-    Quantity("source", "solved by Lin's root finding", "", "s"),
-    Quantity("note", "note", "", "s"),
+    TableColumn("group", "varied inputs", "", "s"),
+    TableColumn("model", "model", "", "s"),
+    TableColumn("cases", "cases", "", "s"),
+    TableColumn("ours", "solved by this package, from all starts", "", "s"),
+    TableColumn("energy", "power input less dissipation, over dissipation", "", "g2"),
+    TableColumn("spread", "difference between starts", "", "g2"),
+    TableColumn("source", "solved by Lin's root finding", "", "s"),
+    TableColumn("note", "note", "", "s"),
 )
 
 
@@ -763,7 +786,7 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
 
     ``found``: results of all groups of cases; None: all cases are solved here.
     """
-    found = solve_all_groups() if found is None else found
+    found = solve_all_extreme_groups() if found is None else found
     cells = list[dict[str, Cell]]()
     for r in found:
         theirs = "–" if r.source is None else f"{r.source} of {r.source_tries}"

@@ -9,22 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rollbench.compare.models.registry import MODELS, Options
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import MODELS, ModelOptions
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import measuring_conditions, shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.sections.reference_time import further_solution_seconds
-from rollbench.compare.studies.rolling.runs import LEVELS, load_run
+from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
 from rollbench.compare.studies.run_times import (
     ColdLevelTime,
     RunTime,
     StoredRunTimes,
-    run_times_for_page,
+    run_times_for_report_page,
     time_call_in_new_process,
     time_mesh_level_in_new_process,
     time_model_in_new_process,
-    today,
+    utc_date_text,
 )
 
 #: Scenes of the case studies of Table 2.2, by number; scenes of Tables 3.5 and 3.7, by case.
@@ -41,17 +41,17 @@ CALLS = {
     "3D": (
         "from rollbench.compare.running import usable_cores\n"
         "from rollbench.compare.scenes.catalogue import shipped_scene_of_kind\n"
-        "from rollbench.compare.scenes.friction_kinds.common import KindScene\n"
+        "from rollbench.compare.scenes.friction_kinds.common import FrictionScene\n"
         "from rollbench.compare.studies.rolling.runs import compute_run",
         "compute_run(shipped_scene_of_kind({name!r}, KindScene), {level}, processes=usable_cores())",
     ),
 }
 
 
-def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTimes:
+def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> StoredRunTimes:
     """Measure all run times that are compared with those printed in the tables of Lin's thesis.
 
-    This takes ten to fifteen minutes on two idle cores. ``study``: gives solved scenes and stored 3D references; ``step``:
+    This takes ten to fifteen minutes on two idle cores. ``cache``: gives solved scenes and stored 3D references; ``step``:
     function that receives a message before each measurement. Returns the times with the conditions of measurement, to be
     stored.
     """
@@ -60,9 +60,11 @@ def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTim
     for name in STATIC.values():
         step(f"{name}, source's model: cold and further")
         cold, model = time_model_in_new_process(name, "lin", repeats=1), MODELS["lin"]
-        further = further_solution_seconds(model, study.scene(name), Options(discretisation=False, engine="compiled"))
+        further = further_solution_seconds(
+            model, cache.built_in_scene(name), ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
+        )
         times[name, "lin"] = RunTime(cold.process, further, cold.memory)
-        found = study.reference(name)
+        found = cache.stored_reference(name)
         if found is not None:
             step(f"{name}, level {found.best.level} of the 3D reference: cold and a further load case")
             levels.append(time_mesh_level_in_new_process(name, found.best.level))
@@ -72,11 +74,11 @@ def measure_run_times(study: Study, step: Callable[[str], None]) -> StoredRunTim
                 step(f"{name}, {way}: cold and further")
                 words = call.format(name=name, mated=name == LINEAR["b"], level=max(LEVELS))
                 times[name, way] = time_call_in_new_process(imports, words, f"{way} of {name}")
-    return StoredRunTimes(measuring_conditions(), today(), times, {}, levels)
+    return StoredRunTimes(measuring_conditions(), utc_date_text(), times, {}, levels)
 
 
 @dataclass(frozen=True)
-class RunTimes:
+class ModelRunTimes:
     """Measured run times of one model for one scene.
 
     ``cold``: time [s] of the first load case in a new process, imports included; ``further``: time [s] of the next load
@@ -84,33 +86,37 @@ class RunTimes:
     measurement and its conditions in words, else empty.
     """
 
-    cold: float | None = None
-    further: float | None = None
-    older: str = ""
+    cold_start_seconds: float | None = None
+    further_load_case_seconds: float | None = None
+    earlier_measurement: str = ""
 
 
-def stored_run_times(study: Study, name: str, model: str) -> RunTimes:
+def stored_run_times(cache: SceneResultCache, name: str, model: str) -> ModelRunTimes:
     """Return the stored run times of one model for a scene; all fields have their defaults if none is stored.
 
     ``name``: name of the scene; ``model``: model, "lin" (static model), "numerical" (friction model of two balls),
-    "formula" (Lin's formula for two balls) or "3D". ``study``: gives solved scenes and stored 3D results.
+    "formula" (Lin's formula for two balls) or "3D". ``cache``: gives solved scenes and stored 3D results.
     """
-    kept = study.compute_once(run_times_for_page, "lin")
-    found = study.reference(name) if name in STATIC.values() and model == "3D" else None
+    kept = cache.compute_once(run_times_for_report_page, "lin")
+    found = cache.stored_reference(name) if name in STATIC.values() and model == "3D" else None
     if found is not None:
-        for level in () if kept is None else kept.levels:
+        for level in () if kept is None else kept.mesh_level_times:
             if (level.scene, level.level) == (name, found.best.level):
-                return RunTimes(level.process, level.load_case)
+                return ModelRunTimes(level.process, level.load_case)
         run = found.best
-        return RunTimes(older=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}")
-    known = None if kept is None else kept.times.get((name, model))
+        return ModelRunTimes(
+            earlier_measurement=f"{run.setup_seconds + run.solve_seconds:.3g} s, measured with {run.measured}"
+        )
+    known = None if kept is None else kept.times_by_scene_and_model.get((name, model))
     if known is not None:
-        return RunTimes(known.cold, known.warm)
+        return ModelRunTimes(known.cold, known.warm)
     if model != "3D":
-        return RunTimes()
-    two = load_run(shipped_scene_of_kind(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+        return ModelRunTimes()
+    two = load_rolling_run(
+        shipped_scene_of_kind(name, FrictionScene), max(LEVELS), cache.reference_folders or (shipped_store(),)
+    )
     return (
-        RunTimes()
+        ModelRunTimes()
         if two is None
-        else RunTimes(older=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
+        else ModelRunTimes(earlier_measurement=f"{two.seconds:.3g} s of processor time, measured with {two.measured}")
     )

@@ -14,7 +14,7 @@ from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.printed import printed_value
 from rollbench.lowfi.random_errors.chain import (
     BallScrewChain,
-    Ensemble,
+    ScrewEnsemble,
     draw_uniform_errors,
     solve_ball_screw,
     solve_ensemble,
@@ -22,7 +22,7 @@ from rollbench.lowfi.random_errors.chain import (
 from rollbench.lowfi.random_errors.chain import Quantity as Spread
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.section import screw_section
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Series, Table
+from rollbench.reports.content import Figure, Panel, Row, Series, Table, TableColumn
 
 #: Axial loads [N] of the curves, up to the largest load of section 4, and up to that of the test; number of random screws.
 LOADS = (50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2137.0, 3000.0, 4000.0, 5000.0)
@@ -58,7 +58,7 @@ def _curve_over_balls(values: Array, label: str, *, emphasis: bool = False) -> S
 
     ``values``: value of each ball (78,); ``label``: legend; ``emphasis``: whether the curve is drawn bold.
     """
-    return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", emphasis=emphasis)
+    return Series(label, list(range(1, liu.ball_count() + 1)), [float(v) for v in values], "line", bold=emphasis)
 
 
 def _solve_ball_loads(errors: Array, force: float, chain: BallScrewChain | None = None) -> Array:
@@ -66,50 +66,54 @@ def _solve_ball_loads(errors: Array, force: float, chain: BallScrewChain | None 
 
     ``errors``: errors of the ball diameters (78,) [m]; ``chain``: axial model; None: Liu's calibrated model.
     """
-    return solve_ball_screw(chain or liu.calibrated_model(), errors, force).load
+    return solve_ball_screw(chain or liu.calibrated_axial_model(), errors, force).load
 
 
 def _printed_markers(x: Sequence[float], y: Sequence[float], label: str = "printed") -> Series:
     """Return printed values as markers of a figure, with abscissas ``x`` and ordinates ``y`` in the panel's units."""
-    return Series(label, x, y, "markers", emphasis=True)
+    return Series(label, x, y, "markers", bold=True)
 
 
 @cache
-def _ensemble_of_screws(half_range: int) -> Ensemble:
+def _solve_random_screws(half_range: int) -> ScrewEnsemble:
     """Draw 1000 screws (`CURVES`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `TEST_LOADS`. ``half_range``: the errors of the ball diameters are uniform within plus and minus this
     range [um].
     """
-    return solve_ensemble(liu.calibrated_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range)
+    return solve_ensemble(
+        liu.calibrated_axial_model(), 1e-6 * half_range, list(TEST_LOADS), CURVES, seed=liu.SEED + half_range
+    )
 
 
-def _percentile_curves(half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS) -> list[Series]:
+def _percentile_curves_over_load(
+    half_range: int, quantity: Spread, unit: float, loads: Sequence[float] = LOADS
+) -> list[Series]:
     """Return median and central 99 % of a quantity of randomly drawn screws, as curves over the axial load.
 
     ``half_range``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``unit``: unit of the curve
     in SI, by which values are divided; ``loads``: axial loads [N].
     """
-    of = [_ensemble_of_screws(half_range).values_at(quantity, f) / unit for f in loads]
+    of = [_solve_random_screws(half_range).values_at(quantity, f) / unit for f in loads]
     low, middle, high = ([float(np.quantile(x, q)) for x in of] for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
     return [
         Series("ours, 99 % of draws", list(loads), low, "band", high),
-        Series("ours, median", list(loads), middle, "line", emphasis=True),
+        Series("ours, median", list(loads), middle, "line", bold=True),
     ]
 
 
-def _curve_without_errors(value: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
+def _curve_without_errors(quantity_at_load: Callable[[float], float], loads: Sequence[float] = LOADS) -> Series:
     """Return the curve of a quantity of the screw without errors over the axial load.
 
-    ``value``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the axial loads
-    [N].
+    ``quantity_at_load``: function that returns the quantity, in the panel's unit, at an axial load [N]; ``loads``: the
+    axial loads [N].
     """
-    return Series("no errors", list(loads), [value(f) for f in loads], "line")
+    return Series("no errors", list(loads), [quantity_at_load(f) for f in loads], "line")
 
 
-def _displacement_and_stiffness_without_errors(force: float) -> tuple[float, float]:
+def _error_free_displacement_and_stiffness(force: float) -> tuple[float, float]:
     """Return axial displacement [um], then stiffness [1e8 N/m] of the screw without errors under an axial force [N]."""
-    state = solve_ball_screw(liu.calibrated_model(), np.zeros(liu.ball_count()), force)
+    state = solve_ball_screw(liu.calibrated_axial_model(), np.zeros(liu.ball_count()), force)
     return 1e6 * state.displacement, 1e-8 * state.stiffness
 
 
@@ -118,10 +122,12 @@ def ball_deformation_figure() -> Figure:
     errors, panels = _random_ball_errors(2), []
     for force in (2000.0, 1000.0, 500.0):
         load = _solve_ball_loads(errors, force)
-        approach = 1e6 * (load / liu.calibrated_model().stiffness) ** (2.0 / 3.0)
+        approach = 1e6 * (load / liu.calibrated_axial_model().stiffness) ** (2.0 / 3.0)
         title = f"{force:g} N: {int(np.count_nonzero(load == 0.0))} unloaded"
         panels.append(
-            Panel(title, BALLS, "normal deformation / µm", (_curve_over_balls(approach, "ours, one draw"),), zero=True)
+            Panel(
+                title, BALLS, "normal deformation / µm", (_curve_over_balls(approach, "ours, one draw"),), include_zero=True
+            )
         )
     caption = (
         "Liu prints: no unloaded ball at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; this section's table "
@@ -141,20 +147,20 @@ def elongation_outside_nut(force: float) -> float:
 
 def displacement_test_figure() -> Figure:
     """Draw Liu's Figure 13: computed displacement and stiffness of the nut over the axial load of the experiment."""
-    found = _percentile_curves(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
+    found = _percentile_curves_over_load(3, "displacement_first_loaded", 1e-6, TEST_LOADS)
     free = [float(v) + elongation_outside_nut(f) for f, v in zip(TEST_LOADS, found[1].y, strict=True)]
     series = (
         *found,
-        _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[0], TEST_LOADS),
+        _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0], TEST_LOADS),
         Series("median with screw outside the nut", list(TEST_LOADS), free, "line"),
     )
     stiff = (
-        *_percentile_curves(3, "stiffness", 1e8, TEST_LOADS),
-        _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[1], TEST_LOADS),
+        *_percentile_curves_over_load(3, "stiffness", 1e8, TEST_LOADS),
+        _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1], TEST_LOADS),
     )
     panels = (
-        Panel("displacement", "axial load / N", "axial displacement / µm", series, zero=True),
-        Panel("stiffness of the nut", "axial load / N", "stiffness / 10⁸ N/m", stiff, zero=True),
+        Panel("displacement", "axial load / N", "axial displacement / µm", series, include_zero=True),
+        Panel("stiffness of the nut", "axial load / N", "stiffness / 10⁸ N/m", stiff, include_zero=True),
     )
     caption = (
         "Computed curves only: Liu's text prints no measured displacement. It does not state whether the measured "
@@ -173,19 +179,19 @@ def displacement_test_table() -> Table:
     """Return the table of computed displacements for the experiment of Liu's Figure 13, at several axial loads."""
     rows: list[Row] = []
     for force in (500.0, 1000.0, 3000.0, 5000.0, 7000.0, 9000.0, 10845.0):
-        moved = 1e6 * _ensemble_of_screws(3).values_at("displacement_first_loaded", force)
+        moved = 1e6 * _solve_random_screws(3).values_at("displacement_first_loaded", force)
         low, middle, high = (float(np.quantile(moved, q)) for q in (liu.UNLIKELY, 0.5, 1.0 - liu.UNLIKELY))
         rows.append(
             {
-                Quantity("load", "axial load", "N", "s"): f"{force:g}",
-                Quantity("printed", "printed", "", "s"): "in a figure only",
-                Quantity("middle", "±3 µm, median", "µm", ".2f"): middle,
-                Quantity("low", "0.5 %", "µm", ".2f"): low,
-                Quantity("high", "99.5 %", "µm", ".2f"): high,
-                Quantity("none", "no errors", "µm", ".2f"): _displacement_and_stiffness_without_errors(force)[0],
-                Quantity("stretch", "screw outside the nut", "µm", ".2f"): elongation_outside_nut(force),
-                Quantity("loaded", "loaded balls, median", "", ".0f"): float(
-                    np.median(_ensemble_of_screws(3).values_at("loaded", force))
+                TableColumn("load", "axial load", "N", "s"): f"{force:g}",
+                TableColumn("printed", "printed", "", "s"): "in a figure only",
+                TableColumn("middle", "±3 µm, median", "µm", ".2f"): middle,
+                TableColumn("low", "0.5 %", "µm", ".2f"): low,
+                TableColumn("high", "99.5 %", "µm", ".2f"): high,
+                TableColumn("none", "no errors", "µm", ".2f"): _error_free_displacement_and_stiffness(force)[0],
+                TableColumn("stretch", "screw outside the nut", "µm", ".2f"): elongation_outside_nut(force),
+                TableColumn("loaded", "loaded balls, median", "", ".0f"): float(
+                    np.median(_solve_random_screws(3).values_at("loaded", force))
                 ),
             }
         )
@@ -193,7 +199,7 @@ def displacement_test_table() -> Table:
         "Displacement of the nut by Liu's equation (19), counted from the first contact of a ball. The cross section of "
         "the screw is assumed (scene liu-screw)."
     )
-    return Table.of(
+    return Table.from_rows(
         "liu-test",
         "Liu (2025), Figure 13: displacement predicted for Liu's test; measured values are not printed",
         rows,
@@ -205,7 +211,7 @@ def liu_and_mei_loads_figure() -> Figure:
     """Draw Liu's Figure 14: ball loads by Liu's and Mei's models under 5000 N, without and with ball errors of +-2 um."""
     force, panels = liu.calibration_load(), []
     for title, errors in (("no errors", np.zeros(liu.ball_count())), ("±2 µm, one draw", _random_ball_errors(2))):
-        ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_model(), liu.mei_model()))
+        ours, mei = (_solve_ball_loads(errors, force, chain) for chain in (liu.calibrated_axial_model(), liu.mei_model()))
         series = [_curve_over_balls(ours, "implicit contact angle", emphasis=True), _curve_over_balls(mei, "Mei, 45°")]
         if not errors.any():
             ends = [float(q[0]) * printed_value("liu-4.1", key) for q, key in ((ours, "ratio"), (mei, "ratio_mei"))]
@@ -217,7 +223,7 @@ def liu_and_mei_loads_figure() -> Figure:
     )
 
 
-def one_faulty_ball_figure() -> Figure:
+def loads_with_one_faulty_ball_figure() -> Figure:
     """Draw Liu's Figure 15: loads of all balls, where ball 33 is too small or too large by 2 um."""
     panels = []
     for sign, words in (("minus", "a: −2 µm"), ("plus", "b: +2 µm")):
@@ -229,7 +235,9 @@ def one_faulty_ball_figure() -> Figure:
             q33, ratio = (printed_value("liu-4.2", f"{sign}_{key}_{force:.0f}") for key in ("Q33", "ratio"))
             printed += [q33, ratio * float(load[0])]
         panels.append(
-            Panel(f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed_markers(at, printed)), zero=True)
+            Panel(
+                f"{words} at ball 33", BALLS, "normal load / N", (*series, _printed_markers(at, printed)), include_zero=True
+            )
         )
     caption = (
         "Markers: printed load Q33 of ball 33, and printed ratio Q78/Q1 times our load Q1 of ball 1. The lighter load of "
@@ -240,7 +248,7 @@ def one_faulty_ball_figure() -> Figure:
     )
 
 
-def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
+def _load_curves_with_printed_ranges(half_range: int, loads: Iterable[float]) -> list[Series]:
     """Return curves of the ball loads over the ball's number, with the printed smallest and largest loads as markers.
 
     The screw has random ball errors. ``half_range``: half range of these errors [um]; ``loads``: axial loads [N].
@@ -254,9 +262,11 @@ def _load_curves_and_ranges(half_range: int, loads: Iterable[float]) -> list[Ser
     return series
 
 
-def random_error_loads_figure() -> Figure:
+def loads_with_random_errors_figure() -> Figure:
     """Draw Liu's Figure 16: loads of all balls with random errors of +-2 um."""
-    panel = Panel("±2 µm", BALLS, "normal load / N", _load_curves_and_ranges(2, (500.0, 1000.0, 5000.0)), zero=True)
+    panel = Panel(
+        "±2 µm", BALLS, "normal load / N", _load_curves_with_printed_ranges(2, (500.0, 1000.0, 5000.0)), include_zero=True
+    )
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     return Figure(
         "liu-figure-16", "Liu (2025), Figure 16: contact loads with random errors of ±2 µm", (panel,), caption, columns=1
@@ -269,40 +279,46 @@ def loads_by_error_range_figure() -> Figure:
     for half_range, letter in enumerate("abcd"):
         title = f"{letter}: " + (f"±{half_range} µm" if half_range else "no errors")
         panels.append(
-            Panel(title, BALLS, "normal load / N", _load_curves_and_ranges(half_range, (1000.0, 5000.0)), zero=True)
+            Panel(
+                title,
+                BALLS,
+                "normal load / N",
+                _load_curves_with_printed_ranges(half_range, (1000.0, 5000.0)),
+                include_zero=True,
+            )
         )
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     title = "Liu (2025), Figure 17: contact loads for several ranges of the random errors"
     return Figure("liu-figure-17", title, panels, caption)
 
 
-def loaded_balls_figure(found: dict[str, float], words: str) -> Figure:
+def loaded_balls_figure(found: dict[str, float], caption_end: str) -> Figure:
     """Draw Liu's Figure 18: number of loaded balls over the axial load, with the numbers printed in section 4.3.
 
-    ``found``: printed values by key, such as "loaded_2_500"; ``words``: text that ends the caption.
+    ``found``: printed values by key, such as "loaded_2_500"; ``caption_end``: text that ends the caption.
     """
     panels = []
     for h in liu.RANGES:
         keys = [k for k in found if k.startswith((f"loaded_{h}_", f"unloaded_{h}_"))]
         at = [float(k.split("_")[2]) for k in keys]
         counts = [liu.ball_count() - found[k] if k.startswith("un") else found[k] for k in keys]
-        series = (*_percentile_curves(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
-        panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, zero=True))
-    caption = f"Markers: loaded balls by Liu's text, which prints some as unloaded balls of 78; {words} {SPREAD}"
+        series = (*_percentile_curves_over_load(h, "loaded", 1.0, LOADS[:-2]), _printed_markers(at, counts))
+        panels.append(Panel(f"±{h} µm", "axial load / N", "loaded balls", series, include_zero=True))
+    caption = f"Markers: loaded balls by Liu's text, which prints some as unloaded balls of 78; {caption_end} {SPREAD}"
     title = "Liu (2025), Figure 18: number of loaded balls over the axial load"
     return Figure("liu-figure-18", title, panels, caption, columns=3, same_y=True)
 
 
 def displacement_figure() -> Figure:
     """Draw Liu's Figure 19: axial displacement of the nut over the axial load."""
-    free = _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[0])
+    free = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[0])
     panels = [
         Panel(
             f"±{h} µm",
             "axial load / N",
             "displacement / µm",
-            (*_percentile_curves(h, "displacement_first_loaded", 1e-6), free),
-            zero=True,
+            (*_percentile_curves_over_load(h, "displacement_first_loaded", 1e-6), free),
+            include_zero=True,
         )
         for h in liu.RANGES
     ]
@@ -310,42 +326,44 @@ def displacement_figure() -> Figure:
     return Figure("liu-figure-19", title, panels, f"{NO_VALUES} {SPREAD}", columns=3)
 
 
-def _printed_stiffness_markers(found: dict[str, float], which: int | str, label: str) -> Series:
+def _printed_stiffness_markers(found: dict[str, float], error_range_or_screw: int | str, label: str) -> Series:
     """Return markers of the printed stiffness over the axial load.
 
-    ``found``: printed values by key, such as "K_2_3000"; ``which``: half range of the ball errors [um], or letter of one of
-    the three printed screws; ``label``: legend.
+    ``found``: printed values by key, such as "K_2_3000"; ``error_range_or_screw``: half range of the ball errors [um], or
+    letter of one of the three printed screws; ``label``: legend.
     """
-    keys = [k for k in found if k.startswith(f"K_{which}_")]
+    keys = [k for k in found if k.startswith(f"K_{error_range_or_screw}_")]
     return _printed_markers([float(k.split("_")[2]) for k in keys], [found[k] for k in keys], label)
 
 
-def stiffness_figure(found: dict[str, float], words: str) -> Figure:
+def stiffness_figure(found: dict[str, float], caption_end: str) -> Figure:
     """Draw Liu's Figure 20: axial stiffness over the axial load, with the values printed in section 4.4.
 
-    ``found``: printed values by key, such as "K_2_3000"; ``words``: text that ends the caption.
+    ``found``: printed values by key, such as "K_2_3000"; ``caption_end``: text that ends the caption.
     """
-    free, panels = _curve_without_errors(lambda f: _displacement_and_stiffness_without_errors(f)[1]), []
+    free, panels = _curve_without_errors(lambda f: _error_free_displacement_and_stiffness(f)[1]), []
     for h in liu.RANGES:
         marks = [_printed_stiffness_markers(found, h, "printed"), _printed_stiffness_markers(found, 0, "printed, none")]
-        series = (*_percentile_curves(h, "stiffness", 1e8), free, *marks)
-        panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, zero=True))
+        series = (*_percentile_curves_over_load(h, "stiffness", 1e8), free, *marks)
+        panels.append(Panel(f"±{h} µm", "axial load / N", "stiffness / 10⁸ N/m", series, include_zero=True))
     caption = (
         "Computed: tangent stiffness. Liu's equation (22) is a secant, which lies above the tangent; its load step is not "
-        f"printed. {words} {SPREAD}"
+        f"printed. {caption_end} {SPREAD}"
     )
     title = "Liu (2025), Figure 20: axial stiffness over the axial load"
     return Figure("liu-figure-20", title, panels, caption, columns=3, same_y=True)
 
 
-def three_draws_figure(found: dict[str, float]) -> Figure:
+def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
     """Draw Liu's Figure 21: stiffness of three randomly drawn screws over the axial load, and their range.
 
     The ball errors are within ±2 um. ``found``: printed values by key, such as "K_a_1100".
     """
     curves = []
     for i, name in enumerate(liu.SETS):
-        values = [1e-8 * solve_ball_screw(liu.calibrated_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS]
+        values = [
+            1e-8 * solve_ball_screw(liu.calibrated_axial_model(), _random_ball_errors(2, i), f).stiffness for f in LOADS
+        ]
         curves.append(Series(f"ours, draw {i + 1}", list(LOADS), values, "line"))
         curves.append(_printed_stiffness_markers(found, name, f"printed, set {name}"))
     loads, spread = (100.0, 1100.0, 2100.0), [liu.stiffness_spreads_of_triples(f) for f in (100.0, 1100.0, 2100.0)]
@@ -356,8 +374,8 @@ def three_draws_figure(found: dict[str, float]) -> Figure:
         _printed_markers(loads, [printed_value("liu-4.4", f"spread_{f:.0f}") for f in loads]),
     )
     panels = (
-        Panel("three screws, errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, zero=True),
-        Panel("largest minus smallest of three screws", "axial load / N", "stiffness / 10⁸ N/m", differ, zero=True),
+        Panel("three screws, errors of ±2 µm", "axial load / N", "stiffness / 10⁸ N/m", curves, include_zero=True),
+        Panel("largest minus smallest of three screws", "axial load / N", "stiffness / 10⁸ N/m", differ, include_zero=True),
     )
     return Figure(
         "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random errors", panels, DRAWN

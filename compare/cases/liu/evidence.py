@@ -14,17 +14,17 @@ from math import cos, degrees, sin
 
 import numpy as np
 
-from rollbench.compare.evidence import Findings
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import Printed, printed_value
+from rollbench.compare.evidence import ComputedEntryValues
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import PrintedEntry, printed_value
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import (
     BallScrewChain,
-    ChainState,
-    Ensemble,
+    BallScrewState,
     Law,
     PercentileRank,
     Quantity,
+    ScrewEnsemble,
     calibrate_compliance,
     draw_uniform_errors,
     last_to_first_load_ratio,
@@ -76,7 +76,7 @@ def ball_count() -> int:
 
 
 @cache
-def printed_last_over_first_load() -> float:
+def printed_last_over_first_load_ratio() -> float:
     """Return the printed load ratio Q78/Q1 of last and first ball without errors (section 4.1), used for calibration."""
     return printed_value("liu-4.1", "ratio")
 
@@ -87,13 +87,15 @@ def calibration_load() -> float:
 
 
 @cache
-def calibrated_model(law: Law = "implicit") -> BallScrewChain:
+def calibrated_axial_model(contact_angle_law: Law = "implicit") -> BallScrewChain:
     """Return Liu's axial model of the screw, with a segment compliance that gives the printed load ratio Q78/Q1.
 
-    ``law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
+    ``contact_angle_law``: contact-angle law, "implicit" (Liu's), "exact" or "constant".
     """
     return calibrate_compliance(
-        nut_as_spring_row(liu_screw(), law=law).chain, printed_last_over_first_load(), calibration_load()
+        nut_as_spring_row(liu_screw(), law=contact_angle_law).liu_chain,
+        printed_last_over_first_load_ratio(),
+        calibration_load(),
     )
 
 
@@ -104,7 +106,7 @@ def implied_series_cross_section(balls_a_turn: float) -> float:
     segment between two balls.
     """
     scene = liu_screw()
-    return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_model().compliance)
+    return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * calibrated_axial_model().compliance)
 
 
 def errors_of_ball_33(error: float) -> Array:
@@ -115,45 +117,47 @@ def errors_of_ball_33(error: float) -> Array:
 
 
 @cache
-def solve_with_error_of_ball_33(error_um: float, load: float, chain: BallScrewChain | None = None) -> ChainState:
+def solve_with_error_of_ball_33(error_um: float, load: float, chain: BallScrewChain | None = None) -> BallScrewState:
     """Solve the contact loads of the screw under an axial load, where only ball 33 has an error.
 
     ``error_um``: error of the ball's diameter [um]; ``load``: axial load [N]; ``chain``: axial model; None: Liu's model,
     calibrated.
     """
-    return solve_ball_screw(chain or calibrated_model(), errors_of_ball_33(1e-6 * error_um), load)
+    return solve_ball_screw(chain or calibrated_axial_model(), errors_of_ball_33(1e-6 * error_um), load)
 
 
 @cache
-def solve_drawn_screws(half_range_um: int) -> Ensemble:
+def solve_random_screws(half_range_um: int) -> ScrewEnsemble:
     """Draw 5000 screws (`MEMBERS`) with random ball errors, and solve their contact loads under several axial loads.
 
     The loads are `LOADS`. ``half_range_um``: the errors of the ball diameters are uniform within plus and minus this range
     [um].
     """
     return solve_ensemble(
-        calibrated_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
+        calibrated_axial_model(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
     )
 
 
-def quantity_of_drawn_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
+def quantity_of_random_screws(half_range_um: int, quantity: Quantity, load: float) -> Array:
     """Return one quantity of all randomly drawn screws under an axial load, (n,) in SI units for n screws.
 
     ``half_range_um``: half range of the ball errors [um]; ``quantity``: name, such as "stiffness"; ``load``: axial load
     [N], one of `LOADS`.
     """
-    return solve_drawn_screws(half_range_um).values_at(quantity, load)
+    return solve_random_screws(half_range_um).values_at(quantity, load)
 
 
-def percentile_and_words(values: Array, printed: float, half_digit: float) -> tuple[PercentileRank, str]:
+def percentile_with_words(values: Array, printed: float, half_step_of_last_digit: float) -> tuple[PercentileRank, str]:
     """Return the percentile of a printed number among randomly drawn screws, then the same in words.
 
-    ``values``: computed values of these screws, in the unit of the printed number; ``half_digit``: half a step of the
-    printed number's last digit.
+    ``values``: computed values of these screws, in the unit of the printed number; ``half_step_of_last_digit``: half a step
+    of the printed number's last digit.
     """
-    p = percentile_rank(values, printed, half_digit)
+    p = percentile_rank(values, printed, half_step_of_last_digit)
     low, high = np.quantile(values, [UNLIKELY, 1.0 - UNLIKELY])
-    words = f"percentile {p.middle:.1f} ± {p.error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
+    words = (
+        f"percentile {p.percent:.1f} ± {p.standard_error:.1f} of {p.size} drawn screws, median {np.median(values):.4g}, "
+    )
     words += f"central 99 % {low:.4g} to {high:.4g}; as far out: probability {p.tail_probability:.4f}"
     return p, words + (f", at most {p.tail_bound:.4f} (95 %)" if p.tail_probability < UNLIKELY else "")
 
@@ -165,25 +169,25 @@ FEW = 20
 LIGHT, HEAVY = 1000.0, 5000.0
 
 
-def section_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 2.1 and Table 2 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
     scene = liu_screw()
     track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
     mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
-    e.numbers({key: 1e3 * value for key, value in mm.items()})
+    findings.numbers({key: 1e3 * value for key, value in mm.items()})
     steel = {"E": 1e-9 * balls.material.youngs_modulus, "nu": balls.material.poissons_ratio}
-    e.numbers({"alpha_0": degrees(angle), "M": float(scene.ball_count), **steel})
-    e.number("lead_angle", degrees(lead), "from pitch and radius")
-    parts = [e.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
-    e.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
+    findings.numbers({"alpha_0": degrees(angle), "M": float(scene.ball_count), **steel})
+    findings.add_number("lead_angle", degrees(lead), "from pitch and radius")
+    parts = [findings.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
+    findings.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
     right = parts[0] * sin(angle) * cos(lead) + parts[1] + parts[2]
-    e.number("range", right, as_printed=sum(parts))
-    e.numbers({f"e_{h}": float(h) for h in LOADS})
-    e.claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
+    findings.add_number("range", right, as_printed=sum(parts))
+    findings.numbers({f"e_{h}": float(h) for h in LOADS})
+    findings.add_claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
 
 
 def compare_with_elimination() -> tuple[int, int, float]:
@@ -195,53 +199,62 @@ def compare_with_elimination() -> tuple[int, int, float]:
     errors = draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
-        ours, other = solve_ball_screw(calibrated_model(), e, 500.0), solve_by_elimination(calibrated_model(), e, 500.0)
-        same += int(other.converged and np.array_equal(ours.load > 0.0, other.load > 0.0))
+        ours, other = (
+            solve_ball_screw(calibrated_axial_model(), e, 500.0),
+            solve_by_elimination(calibrated_axial_model(), e, 500.0),
+        )
+        same += int(other.converged and np.array_equal(ours.load > 0.0, other.contact_loads > 0.0))
         rounds = max(rounds, other.rounds)
-        worst = max(worst, float(np.abs(ours.load - other.load).max() / ours.load.max()))
+        worst = max(worst, float(np.abs(ours.load - other.contact_loads).max() / ours.load.max()))
     return same, rounds, worst
 
 
-def section_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 3 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
     steps = max(
-        solve_ball_screw(calibrated_model(), x, 500.0).iterations
+        solve_ball_screw(calibrated_axial_model(), x, 500.0).iterations
         for x in draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
     )
     same, rounds, worst = compare_with_elimination()
-    e.claim(
+    findings.add_claim(
         "newton",
         False,
         f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
         f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
-    loaded = {f: quantity_of_drawn_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
+    loaded = {f: quantity_of_random_screws(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == ball_count()))
-    e.claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
+    findings.add_claim("all_2000", share >= UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
         sample = ball_count() - loaded[load]
-        e.number(key, float(np.median(sample)), percentile_and_words(sample, e.printed(key), 0.0)[1])
+        findings.add_number(key, float(np.median(sample)), percentile_with_words(sample, findings.printed(key), 0.0)[1])
     exactly = {f: float(np.mean(loaded[f] == ball_count() - 1)) for f in (1000.0, 1500.0)}
-    e.remark("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
-    e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
-    ratio = quantity_of_drawn_screws(3, "smallest", 3000.0) / quantity_of_drawn_screws(3, "largest", 3000.0)
+    findings.add_remark(
+        "caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values())
+    )
+    findings.numbers({"load": findings.printed("load"), "free_length": findings.printed("free_length")})
+    ratio = quantity_of_random_screws(3, "smallest", 3000.0) / quantity_of_random_screws(3, "largest", 3000.0)
     low, high = np.quantile(ratio, [UNLIKELY, 1.0 - UNLIKELY])
-    e.claim("uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N")
-    medians = [float(np.median(quantity_of_drawn_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
+    findings.add_claim(
+        "uniform_3000", low > 0.5, f"smallest over largest load {low:.2f} to {high:.2f} (central 99 %) at 3000 N"
+    )
+    medians = [float(np.median(quantity_of_random_screws(3, "stiffness", f))) / 1e8 for f in LOADS[3]]
     words = ", ".join(f"{v:.2f}" for v in medians)
-    e.claim("falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)")
+    findings.add_claim(
+        "falls", bool(np.all(np.diff(medians) < 0.0)), f"{words} 1e8 N/m from 100 to 5000 N (medians, ±3 um)"
+    )
 
 
 def mei_model() -> BallScrewChain:
     """Return Mei's axial model as Liu et al. use it: contact angles constant at 45 deg, compliance as in Liu's model."""
-    return replace(calibrated_model(), law="constant")
+    return replace(calibrated_axial_model(), law="constant")
 
 
-def largest_deviations_from_mei(
+def largest_deviations_from_mei_percent(
     chain: BallScrewChain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]
 ) -> tuple[float, float]:
     """Return the largest difference [%] of any ball's load between an axial model and Mei's model, at 5000 N.
@@ -254,32 +267,38 @@ def largest_deviations_from_mei(
     return float(100.0 * np.abs(1.0 - load / mei).max()), float(100.0 * np.abs(mei / load - 1.0).max())
 
 
-def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 4.1 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
     load = calibration_load()
     area = 1e6 * implied_series_cross_section(26.0)
-    words = f"compliance of a segment {calibrated_model().compliance:.4g} m/N"
+    words = f"compliance of a segment {calibrated_axial_model().compliance:.4g} m/N"
     words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
-    e.number("ratio", last_to_first_load_ratio(calibrated_model(), load), words)
-    exact = last_to_first_load_ratio(replace(calibrated_model("exact"), law="constant"), load)
-    e.number(
+    findings.add_number("ratio", last_to_first_load_ratio(calibrated_axial_model(), load), words)
+    exact = last_to_first_load_ratio(replace(calibrated_axial_model("exact"), law="constant"), load)
+    findings.add_number(
         "ratio_mei", last_to_first_load_ratio(mei_model(), load), f"beside the exact contact angle it would be {exact:.4f}"
     )
     zero = np.zeros(ball_count())
-    found = [x for law in ("implicit", "exact") for x in largest_deviations_from_mei(calibrated_model(law), zero)]
-    e.number("deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found))
+    found = [
+        x for law in ("implicit", "exact") for x in largest_deviations_from_mei_percent(calibrated_axial_model(law), zero)
+    ]
+    findings.add_number(
+        "deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found)
+    )
     less = solve_ball_screw(mei_model(), zero, load).load - solve_with_error_of_ball_33(0.0, load).load
-    e.claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
+    findings.add_claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
     errors = draw_uniform_errors(SEED, 0, FEW, ball_count(), 2e-6)
-    worst = [largest_deviations_from_mei(calibrated_model(), x)[0] for x in errors]
-    e.claim("deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws")
+    worst = [largest_deviations_from_mei_percent(calibrated_axial_model(), x)[0] for x in errors]
+    findings.add_claim(
+        "deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws"
+    )
 
 
-def last_over_first_ball_load(error_um: float, load: float) -> float:
+def last_over_first_ball_load_ratio(error_um: float, load: float) -> float:
     """Return the ratio Q78/Q1 of the loads of last and first ball, where only ball 33 has an error.
 
     ``error_um``: error of the diameter of ball 33 [um]; ``load``: axial load [N].
@@ -288,14 +307,15 @@ def last_over_first_ball_load(error_um: float, load: float) -> float:
     return float(q[-1] / q[0])
 
 
-def load_by_other_angle_laws_in_words(error_um: float, load: float) -> str:
+def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> str:
     """Return in words the load [N] of ball 33 by the exact and by the constant contact-angle law.
 
     The model is calibrated to the printed ratio Q78/Q1 for each law. ``error_um``: error of the diameter of ball 33 [um];
     ``load``: axial load [N].
     """
     found = {
-        law: solve_with_error_of_ball_33(error_um, load, calibrated_model(law)).load[32] for law in ("exact", "constant")
+        law: solve_with_error_of_ball_33(error_um, load, calibrated_axial_model(law)).load[32]
+        for law in ("exact", "constant")
     }
     return "; ".join(f"{law} contact angle {value:.2f} N" for law, value in found.items())
 
@@ -317,48 +337,51 @@ def error_of_ball_33_for_load(load: float) -> float:
     return float(brentq(lambda e: solve_with_error_of_ball_33(e, HEAVY).load[32] - load, 0.0, 3.0, xtol=1e-6))
 
 
-def first_carrying_loads() -> tuple[float, float]:
+def axial_loads_where_balls_become_loaded() -> tuple[float, float]:
     """Return the smallest axial loads [N] at which ball 1, then ball 78, is loaded, if ball 33 is too large by 2 um."""
     errors = errors_of_ball_33(2e-6)
     return (
-        load_at_which_ball_is_loaded(calibrated_model(), errors, 0, LIGHT),
-        load_at_which_ball_is_loaded(calibrated_model(), errors, ball_count() - 1, LIGHT),
+        load_at_which_ball_is_loaded(calibrated_axial_model(), errors, 0, LIGHT),
+        load_at_which_ball_is_loaded(calibrated_axial_model(), errors, ball_count() - 1, LIGHT),
     )
 
 
-def section_4_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 4.2 of Liu et al. (2025), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
     for name, error in (("minus", -2.0), ("plus", 2.0)):
         for load in (LIGHT, HEAVY):
             q = float(solve_with_error_of_ball_33(error, load).load[32])
-            e.number(f"{name}_Q33_{load:.0f}", q, load_by_other_angle_laws_in_words(error, load))
-            e.number(f"{name}_ratio_{load:.0f}", last_over_first_ball_load(error, load))
+            findings.add_number(f"{name}_Q33_{load:.0f}", q, load_by_other_contact_angle_laws_in_words(error, load))
+            findings.add_number(f"{name}_ratio_{load:.0f}", last_over_first_ball_load_ratio(error, load))
     q = float(solve_with_error_of_ball_33(2.0, HEAVY).load[32])
     words = (
         f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of "
         f"{error_of_ball_33_for_load(124.55):.2f} um"
     )
-    e.number("plus_Q33_5000", q, words)
-    start = load_at_which_ball_is_loaded(calibrated_model(), errors_of_ball_33(-2e-6), 32, HEAVY)
-    e.number("minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
-    low, high = load_change_range_of_other_balls(-2.0)
-    e.claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
-    low, high = load_change_range_of_other_balls(2.0)
-    e.claim("plus_others", high < 0.0, f"by {low:.3f} to {high:.3f} N")
-    first, last = first_carrying_loads()
-    e.claim("only_33", first > 0.0, f"up to {first:.2f} N; ball 78 carries from {last:.2f} N")
-    falls = all(last_over_first_ball_load(s, LIGHT) > last_over_first_ball_load(s, HEAVY) for s in (-2.0, 2.0))
-    words = ", ".join(
-        f"{last_over_first_ball_load(s, LIGHT):.4f} to {last_over_first_ball_load(s, HEAVY):.4f}" for s in (-2.0, 2.0)
+    findings.add_number("plus_Q33_5000", q, words)
+    start = load_at_which_ball_is_loaded(calibrated_axial_model(), errors_of_ball_33(-2e-6), 32, HEAVY)
+    findings.add_number(
+        "minus_Q33_1000", float(solve_with_error_of_ball_33(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on"
     )
-    e.claim("ratio_falls", falls, words)
-    pairs = [(last_over_first_ball_load(2.0, f), last_over_first_ball_load(-2.0, f)) for f in (LIGHT, HEAVY)]
+    low, high = load_change_range_of_other_balls(-2.0)
+    findings.add_claim("minus_others", low > 0.0, f"by {low:.3f} to {high:.3f} N")
+    low, high = load_change_range_of_other_balls(2.0)
+    findings.add_claim("plus_others", high < 0.0, f"by {low:.3f} to {high:.3f} N")
+    first, last = axial_loads_where_balls_become_loaded()
+    findings.add_claim("only_33", first > 0.0, f"up to {first:.2f} N; ball 78 carries from {last:.2f} N")
+    falls = all(last_over_first_ball_load_ratio(s, LIGHT) > last_over_first_ball_load_ratio(s, HEAVY) for s in (-2.0, 2.0))
+    words = ", ".join(
+        f"{last_over_first_ball_load_ratio(s, LIGHT):.4f} to {last_over_first_ball_load_ratio(s, HEAVY):.4f}"
+        for s in (-2.0, 2.0)
+    )
+    findings.add_claim("ratio_falls", falls, words)
+    pairs = [(last_over_first_ball_load_ratio(2.0, f), last_over_first_ball_load_ratio(-2.0, f)) for f in (LIGHT, HEAVY)]
     words = ", ".join(f"{a:.4f} at +2 um, {b:.4f} at -2 um" for a, b in pairs)
-    e.claim("plus_evens", all(a > b for a, b in pairs), words)
+    findings.add_claim("plus_evens", all(a > b for a, b in pairs), words)
 
 
 RANGES = (1, 2, 3)
@@ -378,109 +401,116 @@ STEP = 0.12
 SETS = "abc"
 
 
-def drawn_values_for_printed_number(key: str) -> Array:
+def random_screw_values_for_printed_number(key: str) -> Array:
     """Return the quantity of a printed number for all randomly drawn screws (n,), in its printed unit.
 
     ``key``: key of the printed number: quantity, half range of the ball errors [um], and axial load [N], such as
     "K_2_3000".
     """
     name, which, load = key.removesuffix("_again").split("_")
-    values = quantity_of_drawn_screws(2 if which in SETS else int(which), NAMES[name], float(load))
+    values = quantity_of_random_screws(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
         return ball_count() - values
     return 1e-8 * values if name == "K" else values
 
 
-def matching_screws_in_words(half_range: int, at_500: int, at_1000: int) -> str:
+def screws_with_printed_counts_in_words(half_range: int, at_500: int, at_1000: int) -> str:
     """Return in words how many randomly drawn screws have the printed numbers of loaded balls at 500 N and 1000 N.
 
     ``half_range``: half range of the ball errors [um]; ``at_500``, ``at_1000``: printed numbers of loaded balls.
     """
-    first, then = (quantity_of_drawn_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
+    first, then = (quantity_of_random_screws(half_range, "loaded", f) for f in (500.0, 1000.0))
     some = then[np.abs(first - at_500) <= 1]
     reached = int(np.count_nonzero(some <= at_1000))
     return f"of {some.size} screws with {at_500} ± 1 loaded at 500 N, {reached} have at most {at_1000} at 1000 N"
 
 
-def record_percentile(e: Findings, key: str, *remarks: str) -> None:
-    """Record in ``e`` the median of a quantity over randomly drawn screws, to compare with a printed number.
+def record_percentile(findings: ComputedEntryValues, key: str, *remarks: str) -> None:
+    """Record in ``findings`` the median of a quantity over randomly drawn screws, to compare with a printed number.
 
     The remark states the percentile of the printed number among these screws. ``key``: key of the printed number;
     ``remarks``: further remarks.
     """
-    row = next(f.printed for f in e.evidence() if f.printed.key == key)
-    values = drawn_values_for_printed_number(key)
+    row = next(f.printed for f in findings.comparisons() if f.printed.key == key)
+    values = random_screw_values_for_printed_number(key)
     half = 0.0 if key.startswith(("loaded", "unloaded")) else row.tolerance
-    words = percentile_and_words(values, e.printed(key), half)[1]
-    e.number(key, float(np.median(values)), ". ".join((words, *remarks)))
+    words = percentile_with_words(values, findings.printed(key), half)[1]
+    findings.add_number(key, float(np.median(values)), ". ".join((words, *remarks)))
 
 
-def judge_fraction_of_screws(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
+def judge_fraction_of_screws(has_property: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[bool, str]:
     """Return whether at least 0.5 % of the randomly drawn screws (`UNLIKELY`) have a property; then the share in words.
 
-    ``mask``: for each of these screws, whether it has the property.
+    ``has_property``: for each of these screws, whether it has the property.
     """
-    p = float(np.mean(mask))
-    return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / mask.size):.3f}"
+    p = float(np.mean(has_property))
+    return p >= UNLIKELY, f"probability {p:.3f} ± {np.sqrt(p * (1.0 - p) / has_property.size):.3f}"
 
 
-def falls_with_error_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def decreases_with_error_range(quantity: Quantity, load: float) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each randomly drawn screw (n,) whether a quantity falls when the half range of ball errors grows.
 
     The half ranges are 1, 2 and 3 um. ``quantity``: name of the quantity, such as "stiffness"; ``load``: axial load [N].
     """
-    a, b, c = (quantity_of_drawn_screws(h, quantity, load) for h in RANGES)
+    a, b, c = (quantity_of_random_screws(h, quantity, load) for h in RANGES)
     return np.asarray((a > b) & (b > c))
 
 
-def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 4.3 of Liu et al. (2025) with randomly drawn screws; check its claims.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    for row in (f.printed for f in e.evidence()):
+    for row in (f.printed for f in findings.comparisons()):
         if row.value is not None:
-            record_percentile(e, row.key)
+            record_percentile(findings, row.key)
     for key, at_500, at_1000 in (
         ("unloaded_2_1000", 53, 62),
         ("unloaded_2_1000_again", 53, 61),
         ("unloaded_3_1000", 42, 43),
     ):
-        record_percentile(e, key, matching_screws_in_words(int(key.split("_")[1]), at_500, at_1000))
-    every = [quantity_of_drawn_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
+        record_percentile(findings, key, screws_with_printed_counts_in_words(int(key.split("_")[1]), at_500, at_1000))
+    every = [quantity_of_random_screws(h, "loaded", 2137.0) == ball_count() for h in RANGES]
     holds, words = judge_fraction_of_screws(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
-    e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *judge_fraction_of_screws(quantity_of_drawn_screws(2, "loaded", 5000.0) == ball_count()))
-    e.claim(
+    findings.add_claim("all_2137", holds, f"{words} (singly {alone})")
+    findings.add_claim(
+        "all_5000", *judge_fraction_of_screws(quantity_of_random_screws(2, "loaded", 5000.0) == ball_count())
+    )
+    findings.add_claim(
         "fewer",
-        *judge_fraction_of_screws(falls_with_error_range("loaded", 100.0) & falls_with_error_range("loaded", 500.0)),
+        *judge_fraction_of_screws(
+            decreases_with_error_range("loaded", 100.0) & decreases_with_error_range("loaded", 500.0)
+        ),
     )
     width = {
-        (h, f): quantity_of_drawn_screws(h, "largest", f) - quantity_of_drawn_screws(h, "smallest", f)
+        (h, f): quantity_of_random_screws(h, "largest", f) - quantity_of_random_screws(h, "smallest", f)
         for h in RANGES
         for f in (1000.0, 5000.0)
     }
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
     grows += [width[h + 1, f] > width[h, f] for h in (1, 2) for f in (1000.0, 5000.0)]
-    e.claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
-    a, b, c = (quantity_of_drawn_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
-    e.claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
-    _check_displacement_claims(e)
+    findings.add_claim("wider", *judge_fraction_of_screws(np.logical_and.reduce(grows)))
+    a, b, c = (quantity_of_random_screws(h, "displacement_first_loaded", 1000.0) for h in RANGES)
+    findings.add_claim("further", *judge_fraction_of_screws((a < b) & (b < c)))
+    _check_displacement_claims(findings)
 
 
-def _check_displacement_claims(e: Findings) -> None:
-    """Check Liu's claims on displacement over load by the medians of randomly drawn screws; ``e``: receives the results."""
+def _check_displacement_claims(findings: ComputedEntryValues) -> None:
+    """Check Liu's claims on displacement over load by the medians of randomly drawn screws.
+
+    ``findings``: receives the results.
+    """
     loads = np.array(LOADS[1])
-    curve = np.array([[np.median(quantity_of_drawn_screws(h, "displacement", f)) for f in loads] for h in RANGES])
+    curve = np.array([[np.median(quantity_of_random_screws(h, "displacement", f)) for f in loads] for h in RANGES])
     power = np.diff(np.log(curve[1])) / np.diff(np.log(loads))
     words = f"a power between {power.min():.2f} and {power.max():.2f} of the load: it grows ever more slowly"
-    e.claim("exponential", bool(power.min() > 1.0), words)
+    findings.add_claim("exponential", bool(power.min() > 1.0), words)
     apart = 1e6 * np.diff(curve, axis=0)
     words = "; ".join(", ".join(f"{v:.2f}" for v in row) for row in apart) + " um from 100 to 5000 N (medians), "
     grown = " and ".join(f"{100.0 * (row[-1] / row[-2] - 1.0):.1f}" for row in apart)
-    e.remark("parallel", f"{words}by {grown} % still from 3000 to 5000 N")
+    findings.add_remark("parallel", f"{words}by {grown} % still from 3000 to 5000 N")
 
 
 def stiffness_spreads_of_triples(load: float) -> Array:
@@ -488,7 +518,7 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 
     The ball errors are within ±2 um. ``load``: axial load [N].
     """
-    values = 1e-8 * quantity_of_drawn_screws(2, "stiffness", load)
+    values = 1e-8 * quantity_of_random_screws(2, "stiffness", load)
     return np.asarray(np.ptp(values[: values.size // 3 * 3].reshape(-1, 3), axis=1))
 
 
@@ -501,10 +531,10 @@ def relative_stiffness_percentile_in_words(key: str, printed: float, reference: 
     """
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
     ratio = (
-        quantity_of_drawn_screws(h, "stiffness", load)
-        / solve_ball_screw(calibrated_model(), np.zeros(ball_count()), load).stiffness
+        quantity_of_random_screws(h, "stiffness", load)
+        / solve_ball_screw(calibrated_axial_model(), np.zeros(ball_count()), load).stiffness
     )
-    return "over the value without errors: " + percentile_and_words(ratio, printed / reference, 0.0)[1]
+    return "over the value without errors: " + percentile_with_words(ratio, printed / reference, 0.0)[1]
 
 
 def secant_stiffness_without_errors(load: float, step: float) -> float:
@@ -512,7 +542,7 @@ def secant_stiffness_without_errors(load: float, step: float) -> float:
 
     ``load``: axial load [N]; ``step``: load step over which the stiffness is a secant [N]; 0: tangent stiffness.
     """
-    chain, zero = calibrated_model(), np.zeros(ball_count())
+    chain, zero = calibrated_axial_model(), np.zeros(ball_count())
     if step == 0.0:
         return 1e-8 * solve_ball_screw(chain, zero, load).stiffness
     moved = [solve_ball_screw(chain, zero, f).displacement for f in (load, load + step)]
@@ -527,14 +557,14 @@ def secant_stiffness_of_drawn_screws(half_range_um: int, load: float, relative_l
     the secant over the load; 0: tangent stiffness.
     """
     if relative_load_step == 0.0:
-        return 1e-8 * quantity_of_drawn_screws(half_range_um, "stiffness", load)
+        return 1e-8 * quantity_of_random_screws(half_range_um, "stiffness", load)
     ends = [load, (1.0 + relative_load_step) * load]
-    found = solve_ensemble(calibrated_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
+    found = solve_ensemble(calibrated_axial_model(), 1e-6 * half_range_um, ends, MEMBERS, seed=SEED + half_range_um)
     first, last = (found.values_at("displacement", f) for f in ends)
     return np.asarray(1e-8 * relative_load_step * load / (last - first))
 
 
-def printed_stiffness_agrees(row: Printed, relative_load_step: float) -> bool:
+def printed_stiffness_agrees(row: PrintedEntry, relative_load_step: float) -> bool:
     """Return whether a printed stiffness lies in the range of the secant stiffness of randomly drawn screws.
 
     ``row``: printed number; ``relative_load_step``: load step of the secant over the load; 0: tangent stiffness. A
@@ -548,7 +578,7 @@ def printed_stiffness_agrees(row: Printed, relative_load_step: float) -> bool:
     return bool(values.min() - row.tolerance <= row.value <= values.max() + row.tolerance)
 
 
-def agreement_by_load_step(rows: Sequence[Printed]) -> str:
+def stiffness_agreement_in_words(rows: Sequence[PrintedEntry]) -> str:
     """Return in words how many printed stiffnesses agree with the tangent stiffness, and how many with a secant stiffness.
 
     ``rows``: printed stiffnesses; the load step of the secant is `STEP` times the load.
@@ -560,57 +590,60 @@ def agreement_by_load_step(rows: Sequence[Printed]) -> str:
     )
 
 
-def section_4_4(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in section 4.4 of Liu et al. (2025) with randomly drawn screws; check its claims.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    bare, printed_K = e.printed("K_0_3000"), [f.printed for f in e.evidence() if f.printed.key.startswith("K_")]
+    bare, printed_K = (
+        findings.printed("K_0_3000"),
+        [f.printed for f in findings.comparisons() if f.printed.key.startswith("K_")],
+    )
     for row in printed_K:
         if row.value is not None and row.key != "K_0_3000":
             near = row.key.endswith("_3000")
             record_percentile(
-                e, row.key, *((relative_stiffness_percentile_in_words(row.key, row.value, bare),) if near else ())
+                findings, row.key, *((relative_stiffness_percentile_in_words(row.key, row.value, bare),) if near else ())
             )
     other = {
-        law: 1e-8 * solve_ball_screw(calibrated_model(law), np.zeros(ball_count()), 3000.0).stiffness
+        law: 1e-8 * solve_ball_screw(calibrated_axial_model(law), np.zeros(ball_count()), 3000.0).stiffness
         for law in ("exact", "constant")
     }
     words = "; ".join(f"{law} contact angle {value:.3f}" for law, value in other.items())
     words = (
         f"{words}; by a step of {100.0 * STEP:g} % of the load "
         f"{secant_stiffness_without_errors(3000.0, STEP * 3000.0):.3f}; "
-        f"{agreement_by_load_step(printed_K)}"
+        f"{stiffness_agreement_in_words(printed_K)}"
     )
-    e.number("K_0_3000", secant_stiffness_without_errors(3000.0, 0.0), words)
+    findings.add_number("K_0_3000", secant_stiffness_without_errors(3000.0, 0.0), words)
     for load in (100, 1100, 2100):
-        printed = [e.printed(f"K_{s}_{load}") for s in SETS]
-        _, words = percentile_and_words(stiffness_spreads_of_triples(float(load)), max(printed) - min(printed), 0.0005)
-        e.number(f"spread_{load}", max(printed) - min(printed), words.replace("screws", "triples"))
-    low = min(e.printed(f"K_{s}_1100") for s in SETS)
-    e.number("spread_percent", 100.0 * e.printed("spread_1100") / low)
-    _check_stiffness_claims(e)
+        printed = [findings.printed(f"K_{s}_{load}") for s in SETS]
+        _, words = percentile_with_words(stiffness_spreads_of_triples(float(load)), max(printed) - min(printed), 0.0005)
+        findings.add_number(f"spread_{load}", max(printed) - min(printed), words.replace("screws", "triples"))
+    low = min(findings.printed(f"K_{s}_1100") for s in SETS)
+    findings.add_number("spread_percent", 100.0 * findings.printed("spread_1100") / low)
+    _check_stiffness_claims(findings)
 
 
-def _check_stiffness_claims(e: Findings) -> None:
-    """Check Liu's claims on the stiffness of screws with random errors, section 4.4; ``e``: receives the results."""
+def _check_stiffness_claims(findings: ComputedEntryValues) -> None:
+    """Check Liu's claims on the stiffness of screws with random errors, section 4.4; ``findings``: receives the results."""
     s = {load: stiffness_spreads_of_triples(load) for load in (100.0, 1100.0, 2100.0)}
-    e.claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
-    percent = 100.0 * s[100.0] / (1e-8 * np.median(quantity_of_drawn_screws(2, "stiffness", 100.0)))
-    median, printed = np.median(percent), 100.0 * e.printed("spread_100") / e.printed("K_a_100")
-    e.claim(
+    findings.add_claim("largest_1100", *judge_fraction_of_screws((s[1100.0] > s[100.0]) & (s[1100.0] > s[2100.0])))
+    percent = 100.0 * s[100.0] / (1e-8 * np.median(quantity_of_random_screws(2, "stiffness", 100.0)))
+    median, printed = np.median(percent), 100.0 * findings.printed("spread_100") / findings.printed("K_a_100")
+    findings.add_claim(
         "minimal",
         bool(median <= 4.31),
         f"three draws differ by {median:.0f} % at 100 N in the median; its own by {printed:.1f} %",
     )
     rises = [
-        np.diff(np.stack([quantity_of_drawn_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES
+        np.diff(np.stack([quantity_of_random_screws(h, "stiffness", f) for f in LOADS[h]]), axis=0) > 0.0 for h in RANGES
     ]
-    e.claim(
+    findings.add_claim(
         "rises", all(bool(r.all()) for r in rises), f"in all of {3 * MEMBERS} drawn screws, {LOADS[1][0]:.0f} to 5000 N"
     )
-    e.claim("softer", *judge_fraction_of_screws(falls_with_error_range("stiffness", 500.0)))
-    free = solve_ball_screw(calibrated_model(), np.zeros(ball_count()), 3000.0).stiffness
-    off = [100.0 * (np.median(quantity_of_drawn_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
-    e.remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")
+    findings.add_claim("softer", *judge_fraction_of_screws(decreases_with_error_range("stiffness", 500.0)))
+    free = solve_ball_screw(calibrated_axial_model(), np.zeros(ball_count()), 3000.0).stiffness
+    off = [100.0 * (np.median(quantity_of_random_screws(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
+    findings.add_remark("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

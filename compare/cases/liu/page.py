@@ -17,16 +17,20 @@ from rollbench.compare.cases.liu import curves
 from rollbench.compare.cases.liu import evidence as liu
 from rollbench.compare.evidence import count_entries_by_verdict, evidence, reproduction_sentence
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import largest_uncertainty_percent
-from rollbench.compare.sections.source_tables import computation_tables, read_layouts, tables_of_printed_numbers
+from rollbench.compare.sections.source_tables import (
+    read_table_layouts,
+    tables_of_printed_numbers,
+    tables_on_computation_of_numbers,
+)
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.lowfi.random_errors.chain import BallScrewChain, draw_uniform_errors, solve_ball_screw
 from rollbench.lowfi.statics.liu import SpringRow as ModelInputs
 from rollbench.lowfi.statics.liu import nut_as_spring_row
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Quantity, Row, Section, Table, Text
+from rollbench.reports.content import Row, Section, Table, TableColumn, Text
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -65,7 +69,7 @@ def loaded_ball_counts_in_words(found: dict[str, float]) -> str:
         half_range, load = int(parts[2]), float(parts[3])
         count = liu.ball_count() - value if parts[1] else value
         low, high = np.quantile(
-            liu.quantity_of_drawn_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY]
+            liu.quantity_of_random_screws(half_range, "loaded", load), [liu.UNLIKELY, 1.0 - liu.UNLIKELY]
         )
         total += 1
         if not low <= count <= high:
@@ -87,10 +91,10 @@ def stiffness_deviation_in_words(found: dict[str, float]) -> str:
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
         if (
             load in liu.LOADS.get(half_range, ())
-            and np.median(liu.quantity_of_drawn_screws(half_range, "loaded", load)) == liu.ball_count()
+            and np.median(liu.quantity_of_random_screws(half_range, "loaded", load)) == liu.ball_count()
         ):
             off.append(
-                error_percent(1e8 * value, float(np.median(liu.quantity_of_drawn_screws(half_range, "stiffness", load))))
+                error_percent(1e8 * value, float(np.median(liu.quantity_of_random_screws(half_range, "stiffness", load))))
             )
     if not off:
         return "No stiffness is printed for a load under which most random screws have all balls loaded"
@@ -110,31 +114,31 @@ LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
 
 @dataclass(frozen=True)
-class ModelLoads:
+class LoadsByThreeModels:
     """Contact loads of the 78 balls of one screw under one axial load, by three models.
 
     ``errors``: ball errors of the screw in words; ``load``: axial load [N]; ``axial``, ``beam``, ``refined``: contact
     loads (78,) [N] by Liu's axial model, the beam model and the refined model.
     """
 
-    errors: str
-    load: float
-    axial: Array
-    beam: Array
-    refined: Array
+    ball_errors_in_words: str
+    axial_load: float
+    loads_by_axial_model: Array
+    loads_by_beam_model: Array
+    loads_by_refined_model: Array
 
-    def difference_from_axial(self, model: Array) -> tuple[float, float, int]:
+    def differences_of_axial_model(self, model: Array) -> tuple[float, float, int]:
         """Return the differences of the axial model's loads from those of another model.
 
         First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
         number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
         """
-        change = error_percent(model, self.axial, float(model.mean()))
+        change = error_percent(model, self.loads_by_axial_model, float(model.mean()))
         ball = int(np.abs(change).argmax())
         return float(np.sqrt(np.mean(change**2))), float(change[ball]), ball + 1
 
 
-def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
+def with_ball_errors_and_axial_load(scene: Scene, errors: Array, load: float) -> Scene:
     """Return a copy of the scene with other ball errors and another axial load.
 
     ``errors``: errors of the ball diameters (78,) [m]; ``load``: axial load [N].
@@ -145,23 +149,23 @@ def change_errors_and_load(scene: Scene, errors: Array, load: float) -> Scene:
     return replace(scene, errors=replace(scene.errors, balls=balls), loads=(force,))
 
 
-def axial_model_with_rigid_nut(scene: Scene) -> ModelInputs:
+def axial_model_inputs_with_rigid_nut(scene: Scene) -> ModelInputs:
     """Return inputs of Liu's axial model for a scene, with a rigid nut and exact contact angles, as the beam model has.
 
     Exact contact angles follow from the displacements without approximation.
     """
     row = nut_as_spring_row(scene, law="exact")
-    return replace(row, chain=replace(row.chain, compliance=row.share * row.chain.compliance))
+    return replace(row, liu_chain=replace(row.liu_chain, compliance=row.screw_compliance_share * row.liu_chain.compliance))
 
 
-def compare_models(study: Study) -> tuple[ModelLoads, ...]:
+def compare_models(cache: SceneResultCache) -> tuple[LoadsByThreeModels, ...]:
     """Return the contact loads of Liu's screw by the axial, the beam and the refined model.
 
     There is an entry for each axial load and each set of ball errors: none, ball 33 too small or too large by 2 um, and
-    random errors. ``study``: gives the solved scenes.
+    random errors. ``cache``: gives the solved scenes.
     """
-    scene = study.scene(SCENE)
-    chain = axial_model_with_rigid_nut(scene).chain
+    scene = cache.built_in_scene(SCENE)
+    chain = axial_model_inputs_with_rigid_nut(scene).liu_chain
     drawn = draw_uniform_errors(liu.SEED + 2, 0, DRAWN, liu.ball_count(), HALF_RANGE)
     kinds = [
         ("none", np.zeros(liu.ball_count())),
@@ -169,18 +173,22 @@ def compare_models(study: Study) -> tuple[ModelLoads, ...]:
         ("ball 33: +2 um", liu.errors_of_ball_33(2e-6)),
     ]
     kinds += [(f"drawn, +-2 um, screw {i + 1}", errors) for i, errors in enumerate(drawn)]
-    return tuple(_compute_loads(study, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS)
+    return tuple(
+        _loads_of_screw_by_three_models(cache, scene, chain, name, errors, load) for name, errors in kinds for load in LOADS
+    )
 
 
-def _compute_loads(study: Study, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float) -> ModelLoads:
+def _loads_of_screw_by_three_models(
+    cache: SceneResultCache, scene: Scene, chain: BallScrewChain, name: str, errors: Array, load: float
+) -> LoadsByThreeModels:
     """Compute the contact loads of one screw under one axial load by Liu's axial, the beam and the refined model.
 
     ``chain``: axial model of the scene; ``name``: ball errors in words; ``errors``: errors of the ball diameters (78,) [m];
-    ``load``: axial load [N]. ``study``: gives the solved scenes.
+    ``load``: axial load [N]. ``cache``: gives the solved scenes.
     """
-    changed = change_errors_and_load(scene, errors, load)
-    beam, refined = (study.solve(changed, model).load[:, 0] for model in ("lin", "refined"))
-    return ModelLoads(name, load, solve_ball_screw(chain, errors, load).load, beam, refined)
+    changed = with_ball_errors_and_axial_load(scene, errors, load)
+    beam, refined = (cache.solve_once(changed, model).load[:, 0] for model in ("lin", "refined"))
+    return LoadsByThreeModels(name, load, solve_ball_screw(chain, errors, load).load, beam, refined)
 
 
 @dataclass(frozen=True)
@@ -194,30 +202,30 @@ class DifferenceFrom3D:
     #: Name of the model.
     model: str
     #: RMS difference [% of the mean load].
-    rms: float
+    rms_percent: float
     #: Largest difference [% of the mean load].
-    largest: float
+    largest_percent: float
     #: Number of the ball with the largest difference, from 1.
-    ball: int
+    worst_ball: int
     #: Uncertainty of the 3D reference by its mesh [% of the mean load]; None if unknown.
-    uncertainty: float | None
+    mesh_uncertainty_percent: float | None
     #: Number of loaded balls by the model.
-    loaded: int
+    loaded_balls: int
     #: Number of loaded balls in 3D.
-    loaded_in_3d: int
+    loaded_balls_in_3d: int
 
 
-def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
+def differences_from_3d(cache: SceneResultCache) -> tuple[DifferenceFrom3D, ...]:
     """Return the differences of Liu's axial, the beam and the refined model from the 3D reference.
 
-    There are three entries for each scene that has a stored reference. ``study``: gives solved scenes and stored 3D
+    There are three entries for each scene that has a stored reference. ``cache``: gives solved scenes and stored 3D
     references.
     """
     rows = []
-    for name, found in study.references(SOLID).items():
-        scene, bar = study.scene(name), largest_uncertainty_percent(found)
+    for name, found in cache.stored_references(SOLID).items():
+        scene, bar = cache.built_in_scene(name), largest_uncertainty_percent(found)
         for model in ("axial", "lin", "refined"):
-            load = axial_model_loads(scene) if model == "axial" else study.solve(scene, model).load
+            load = loads_by_axial_model(scene) if model == "axial" else cache.solve_once(scene, model).load
             e = load_error(load, found.load, found.contacts)
             carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
             rows.append(
@@ -226,17 +234,17 @@ def compare_with_3d(study: Study) -> tuple[DifferenceFrom3D, ...]:
     return tuple(rows)
 
 
-def axial_model_loads(scene: Scene) -> Array:
+def loads_by_axial_model(scene: Scene) -> Array:
     """Return the contact loads (78, 4) [N] of a scene by Liu's axial model.
 
     The loads of a ball are equal at its contacts on the flanks SL and NR, and zero on the other two.
     """
-    row, load = axial_model_with_rigid_nut(scene), np.zeros((scene.ball_count, 4))
-    load[row.order, 0] = load[row.order, 3] = row.solved(row.force).load
+    row, load = axial_model_inputs_with_rigid_nut(scene), np.zeros((scene.ball_count, 4))
+    load[row.ball_order, 0] = load[row.ball_order, 3] = row.solve_under_load(row.axial_load).load
     return load
 
 
-def scenes_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
+def scenes_and_levels_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
     """Yield the scenes of Liu's screw, with their mesh levels, whose 3D solutions a report must compute again.
 
     ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
@@ -245,63 +253,63 @@ def scenes_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], 
         yield SOLID, SOLID_LEVELS
 
 
-def model_loads_table(study: Study) -> Table:
+def model_loads_table(cache: SceneResultCache) -> Table:
     """Return the table of contact loads of Liu's screw by the axial, the beam and the refined model, by ball errors.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     rows: list[Row] = []
-    for c in study.compute_once(compare_models):
-        row: Row = {"errors": c.errors, Quantity("load", "axial load", "N", ".0f"): c.load}
+    for c in cache.compute_once(compare_models):
+        row: Row = {"errors": c.ball_errors_in_words, TableColumn("load", "axial load", "N", ".0f"): c.axial_load}
         for name, words, model in (
-            ("axial", "axial only", c.axial),
-            ("beam", "beam model", c.beam),
-            ("refined", "refined model", c.refined),
+            ("axial", "axial only", c.loads_by_axial_model),
+            ("beam", "beam model", c.loads_by_beam_model),
+            ("refined", "refined model", c.loads_by_refined_model),
         ):
-            row[Quantity(name, f"{words}: largest load", "N")] = float(model.max())
-            row[Quantity(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
+            row[TableColumn(name, f"{words}: largest load", "N")] = float(model.max())
+            row[TableColumn(f"{name}_loaded", f"{words}: loaded balls", "", "s")] = int(np.count_nonzero(model > 0.0))
             if name != "axial":
-                rms, most, ball = c.difference_from_axial(model)
-                row[Quantity(f"{name}_rms", f"{words}: RMS difference from axial only", "% of the mean", ".2f")] = rms
+                rms, most, ball = c.differences_of_axial_model(model)
+                row[TableColumn(f"{name}_rms", f"{words}: RMS difference from axial only", "% of the mean", ".2f")] = rms
                 largest = f"{most:+.1f} (ball {ball})"
-                row[Quantity(f"{name}_most", f"{words}: largest difference from it", "% of the mean", "s")] = largest
+                row[TableColumn(f"{name}_most", f"{words}: largest difference from it", "% of the mean", "s")] = largest
         rows.append(row)
     note = (
         "Axial only: Liu's model with a rigid nut and the axial compliance of the beam model's screw. Cross "
         "sections and balls per turn are assumed (scene liu-screw)."
     )
-    return Table.of(
+    return Table.from_rows(
         "liu-bodies", "Liu's screw: contact loads by the axial-only, the beam and the refined model", rows, note
     )
 
 
-def errors_against_3d_table(study: Study) -> Table:
+def errors_against_3d_table(cache: SceneResultCache) -> Table:
     """Return the table of the low-order models' errors against the 3D reference, for scenes of Liu's screw.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     words = {"axial": "axial only", "lin": "beam model", "refined": "refined model"}
     rows: list[Row] = [
         {
             "scene": c.scene,
             "model": words[c.model],
-            Quantity("rms", "RMS error", "% of the mean", ".2f"): c.rms,
-            Quantity("most", "largest error", "% of the mean", ".2f"): c.largest,
-            Quantity("ball", "at ball", "", "s"): c.ball,
-            Quantity("bar", "mesh uncertainty of 3D", "% of the mean", ".2f"): c.uncertainty,
-            Quantity("loaded", "loaded balls, by the model", "", "s"): c.loaded,
-            Quantity("solid", "loaded balls in 3D", "", "s"): c.loaded_in_3d,
+            TableColumn("rms", "RMS error", "% of the mean", ".2f"): c.rms_percent,
+            TableColumn("most", "largest error", "% of the mean", ".2f"): c.largest_percent,
+            TableColumn("ball", "at ball", "", "s"): c.worst_ball,
+            TableColumn("bar", "mesh uncertainty of 3D", "% of the mean", ".2f"): c.mesh_uncertainty_percent,
+            TableColumn("loaded", "loaded balls, by the model", "", "s"): c.loaded_balls,
+            TableColumn("solid", "loaded balls in 3D", "", "s"): c.loaded_balls_in_3d,
         }
-        for c in study.compute_once(compare_with_3d)
+        for c in cache.compute_once(differences_from_3d)
     ]
     levels = " and ".join(str(k) for k in SOLID_LEVELS)
-    contacts = 2 * study.scene(SCENE).ball_count
+    contacts = 2 * cache.built_in_scene(SCENE).ball_count
     note = (
         f"3D reference on the mesh levels {levels}, with {contacts} contacts. The nut is rigid in the axial-only and the "
         "beam model. "
         "Random ball errors are the same for all models."
     )
-    return Table.of(
+    return Table.from_rows(
         "liu-solid",
         "Liu's screw: errors of contact loads against the 3D reference, for the axial-only, beam and refined model",
         rows,
@@ -309,37 +317,37 @@ def errors_against_3d_table(study: Study) -> Table:
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections on Liu et al. (2025).
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("random errors of a ball screw")
-    found = evidence(study, *PRINTED)
+    found = evidence(cache, *PRINTED)
     by_name = {f.printed.name: f for f in found}
     printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
-    listed = read_layouts(next(case for case in CASES if case.name == "liu"))
+    listed = read_table_layouts(next(case for case in CASES if case.name == "liu"))
     drawn = {
         "liu-test": (curves.ball_deformation_figure(), curves.displacement_test_figure(), curves.displacement_test_table()),
         "liu-mei": (curves.liu_and_mei_loads_figure(),),
-        "liu-one-ball": (curves.one_faulty_ball_figure(),),
+        "liu-one-ball": (curves.loads_with_one_faulty_ball_figure(),),
         "liu-loads": (
-            curves.random_error_loads_figure(),
+            curves.loads_with_random_errors_figure(),
             curves.loads_by_error_range_figure(),
             curves.loaded_balls_figure(printed, f"{loaded_ball_counts_in_words(printed)}."),
             curves.displacement_figure(),
         ),
         "liu-stiffness": (
             curves.stiffness_figure(printed, f"{stiffness_deviation_in_words(printed)}."),
-            curves.three_draws_figure(printed),
+            curves.stiffness_of_three_screws_figure(printed),
         ),
     }
     chapters = [
         Section(name, title, (*tables_of_printed_numbers(tables, listed, by_name), *drawn.get(name, ())))
         for name, (title, tables) in CHAPTERS.items()
     ]
-    study.record_used_scenes(SOLID)
-    beyond = [model_loads_table(study), *([errors_against_3d_table(study)] if study.references(SOLID) else ())]
+    cache.record_used_scenes(SOLID)
+    beyond = [model_loads_table(cache), *([errors_against_3d_table(cache)] if cache.stored_references(SOLID) else ())]
     return (
         Section(
             "liu",
@@ -352,6 +360,6 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         Section(
             "liu-audit",
             "Liu (2025): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("liu"), *computation_tables(PRINTED)),
+            (misprints_table("liu"), *tables_on_computation_of_numbers(PRINTED)),
         ),
     )

@@ -15,8 +15,8 @@ from rollbench.compare.cases.makers.outside import (
     ComputedBand,
     MakerTable,
     PublishedValue,
-    compare_table_entry,
     half_step_of_last_digit,
+    published_value_of_table_entry,
     read_maker_table,
     read_maker_tables,
 )
@@ -26,7 +26,7 @@ from rollbench.lowfi.bearings.angular_contact import (
     bearing_states_under_thrust,
     conformity_from_pair_rigidity,
 )
-from rollbench.lowfi.bearings.axis import PointRow, equal_rows_with_gap, solve_set_equilibrium
+from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.arrays import Array
@@ -51,13 +51,13 @@ def bearing_set_over_pair_ratios(name: str) -> tuple[float, float, float]:
     ``name``: arrangement of the bearings in the set, such as "DBD" (the pair is "DB"). All bearings have equal gaps and a
     constant contact angle.
     """
-    one = PointRow()
+    one = HertzPowerLawRow()
 
     def set_totals(name: str) -> Array:
         """Return preload, tangent rigidity and starting torque (3,) of the set ``name``, in arbitrary units."""
         rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
-        state = solve_set_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
-        loads = state.loads
+        state = solve_bearing_row_equilibrium(equal_rows_with_gap(one, rows, 1e-6))
+        loads = state.row_thrusts
         return np.array([loads[np.array(rows) == 1].sum(), state.stiffness, (loads**TORQUE).sum()])
 
     preload, rigidity, torque = set_totals(name) / set_totals("DB")
@@ -79,7 +79,7 @@ def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
     preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
     """
     for source in read_maker_tables("nsk-tac"):
-        named = dict(entry.split("=") for entry in source.head["sets"].split("; "))
+        named = dict(entry.split("=") for entry in source.header["sets"].split("; "))
         pairs = {(r["bearing"], r["preload_class"]): r for r in source.rows if named[r["arrangement"]] == "DB"}
         for row in source.rows:
             name, cls = named[row["arrangement"]], row["preload_class"]
@@ -87,7 +87,7 @@ def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
             if kind == "class" and cls != "C9":
                 continue
             pair = pairs[row["bearing"], cls if kind != "class" else "C10"]
-            growth = source.number(row["preload_N"]) / source.number(pair["preload_N"])
+            growth = source.parse_number(row["preload_N"]) / source.parse_number(pair["preload_N"])
             ratios = (
                 bearing_set_over_pair_ratios(name)
                 if kind != "class"
@@ -96,16 +96,25 @@ def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
             for (quantity, column, unit, power), ratio in zip(SET_QUANTITIES, ratios, strict=True):
                 if kind == "class" and quantity == "preload":
                     continue
-                half, base = 0.5 * float(source.head.get(f"{quantity}_step_{cls}", "0")), source.number(pair[column])
+                half, base = (
+                    0.5 * float(source.header.get(f"{quantity}_step_{cls}", "0")),
+                    source.parse_number(pair[column]),
+                )
                 off = max(half_step_of_last_digit(pair[column]), half) / base
                 if kind == "class":
                     off += power * sum(
-                        half_step_of_last_digit(r["preload_N"]) / source.number(r["preload_N"]) for r in (row, pair)
+                        half_step_of_last_digit(r["preload_N"]) / source.parse_number(r["preload_N"]) for r in (row, pair)
                     )
                 what = (quantity, "sets and preloads from one pair", f"{row['bearing']} {cls} {name}", unit)
                 rounding = max(half_step_of_last_digit(row[column]), half)
-                yield compare_table_entry(
-                    source, row, "line", column, what, ComputedBand.within(ratio * base, off), rounding=rounding
+                yield published_value_of_table_entry(
+                    source,
+                    row,
+                    "line",
+                    column,
+                    what,
+                    ComputedBand.from_relative_half_width(ratio * base, off),
+                    rounding=rounding,
                 )
 
 
@@ -113,7 +122,7 @@ def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
 
 
 @cache
-def _bearing_with_iso_material() -> Scene:
+def _nine_ball_bearing_with_iso_material() -> Scene:
     """Return the shipped scene of a nine-ball bearing, with the elastic constants assumed for ISO 281 and ISO 76."""
     found = catalogue.shipped_scene("bearing-9")
     assert isinstance(found, Scene)
@@ -124,20 +133,22 @@ def _bearing_with_iso_material() -> Scene:
     )
 
 
-def single_row_bearing_scene(balls: int, ball: float, pitch: float, angle: float, conformity: float = CONFORMITY) -> Scene:
+def single_row_bearing_scene(
+    ball_count: int, ball_diameter: float, pitch: float, angle: float, conformity: float = CONFORMITY
+) -> Scene:
     """Return the scene of a single-row ball bearing with given dimensions.
 
-    ``balls``: number of balls; ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``: contact angle
-    [rad]; ``conformity``: groove radius over ball diameter, the same on both rings.
+    ``ball_count``: number of balls; ``ball_diameter``, ``pitch``: diameters of ball and pitch circle [m]; ``angle``:
+    contact angle [rad]; ``conformity``: groove radius over ball diameter, the same on both rings.
     """
-    one = _bearing_with_iso_material()
-    groove = conformity * ball
+    one = _nine_ball_bearing_with_iso_material()
+    groove = conformity * ball_diameter
     return replace(
         one,
         track=replace(one.track, pitch_radius=0.5 * pitch, contact_angle=angle),
         screw=replace(one.screw, groove_radius=groove),
         nut=replace(one.nut, groove_radius=groove),
-        balls=replace(one.balls, radius=0.5 * ball, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
+        balls=replace(one.balls, radius=0.5 * ball_diameter, azimuths=tuple(2.0 * pi * np.arange(ball_count) / ball_count)),
     )
 
 
@@ -147,7 +158,7 @@ FEW, PITCH, RELATIVE = 10, 0.1, np.linspace(0.03, 0.36, 23)
 
 
 @cache
-def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
+def rating_factor_splines(angle: float) -> tuple[CubicSpline, CubicSpline]:
     """Return the factors of a bearing's load ratings by ISO 281 and ISO 76, as splines over D/d_m.
 
     First: C/(Z^(2/3) D^1.8) of the dynamic rating C; second: C_0/(Z D^2) of the static rating C_0, in N and m. Z: number
@@ -160,13 +171,13 @@ def rating_factors(angle: float) -> tuple[CubicSpline, CubicSpline]:
     return CubicSpline(RELATIVE, dynamic), CubicSpline(RELATIVE, static)
 
 
-def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
+def ball_count_and_diameter_from_ratings(dynamic: float, static: float, pitch: float, angle: float) -> tuple[float, float]:
     """Return the number of balls (not rounded), then their diameter [m], that give a bearing's load ratings.
 
     ISO 281 and ISO 76 are inverted. ``dynamic``, ``static``: ratings C and C_0 [N]; ``pitch``: pitch diameter [m];
     ``angle``: contact angle [rad].
     """
-    of_dynamic, of_static = rating_factors(angle)
+    of_dynamic, of_static = rating_factor_splines(angle)
 
     def ball_number(ball: float) -> float:
         """Return the number of balls of diameter ``ball`` [m] that gives the static rating."""
@@ -182,7 +193,7 @@ def balls_from_ratings(dynamic: float, static: float, pitch: float, angle: float
     return ball_number(ball), ball
 
 
-def _mean_diameter(row: Mapping[str, str]) -> float:
+def _mean_of_bore_and_outer_diameter(row: Mapping[str, str]) -> float:
     """Return the mean of bore and outside diameter [m] of a bearing, which is taken for its pitch diameter.
 
     ``row``: texts of the bearing's row in the catalogue, by column.
@@ -205,11 +216,16 @@ def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
 
     def column_values(key: str) -> Array:
         """Return a column of the table as an array of numbers, (bearings, preloads); ``key``: name of the column."""
-        return np.array([[source.number(row[key]) for row in rows] for rows in bearings])
+        return np.array([[source.parse_number(row[key]) for row in rows] for rows in bearings])
 
-    pitch, angle = np.array([_mean_diameter(rows[0]) for rows in bearings]), np.radians(column_values("angle_deg")[:, 0])
+    pitch, angle = (
+        np.array([_mean_of_bore_and_outer_diameter(rows[0]) for rows in bearings]),
+        np.radians(column_values("angle_deg")[:, 0]),
+    )
     dynamic, static = (1e3 * column_values(key)[:, 0] for key in ("Cr_kN", "C0r_kN"))
-    count, ball = np.array([balls_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]).T
+    count, ball = np.array(
+        [ball_count_and_diameter_from_ratings(*of) for of in zip(dynamic, static, pitch, angle, strict=True)]
+    ).T
     begin = CatalogueBearings(np.round(count), ball, pitch, np.full(len(bearings), CONFORMITY), angle, YOUNG, POISSON)
     forces, rigid, load = column_values("preload_N"), column_values("rigidity_N_per_um"), column_values("measuring_load_N")
     step = np.array([half_step_of_last_digit(rows[-1]["rigidity_N_per_um"]) for rows in bearings])
@@ -225,53 +241,53 @@ def compare_nsk_ball_bearings() -> Iterator[PublishedValue]:
         yield from _compare_clearances_and_rigidities(source, rows, forces[i], np.array(moved)[:, i], np.array(stiff)[:, i])
         if rows[0]["f0"][:1].isdigit():
             factor = 1e-6 * static[i] / (count[i] * ball[i] ** 2 * cos(angle[i]))
-            yield _compare_factor_f0(source, rows[0], float(factor))
+            yield _published_factor_f0(source, rows[0], float(factor))
 
 
 def _compare_clearances_and_rigidities(
-    source: MakerTable, rows: list[Mapping[str, str]], forces: Array, moved: Array, rigid: Array
+    source: MakerTable, rows: list[Mapping[str, str]], preloads: Array, displacements_um: Array, rigidities: Array
 ) -> Iterator[PublishedValue]:
     """Yield the printed axial clearances and rigidities of one bearing at p preloads, with computed values.
 
-    ``source``: the maker's table; ``rows``: its rows, one for each preload; ``forces``: preloads (p,) [N]; ``moved``:
-    displacements (3, p + 1) [um] at the preloads and at the measuring load; ``rigid``: rigidities (3, p) [N/um]. Both have
-    three rows: computed from the printed rigidity at the highest preload, and from the smallest and largest rigidity that
-    are rounded to this value.
+    ``source``: the maker's table; ``rows``: its rows, one for each preload; ``preloads``: preloads (p,) [N];
+    ``displacements_um``: displacements (3, p + 1) [um] at the preloads and at the measuring load; ``rigidities``:
+    rigidities (3, p) [N/um]. Both have three rows: computed from the printed rigidity at the highest preload, and from the
+    smallest and largest rigidity that are rounded to this value.
     """
-    clearance = 2.0 * (moved[:, -1:] - moved[:, :-1])
+    clearance = 2.0 * (displacements_um[:, -1:] - displacements_um[:, :-1])
     for i, row in enumerate(rows):
-        share = half_step_of_last_digit(row["preload_N"]) / forces[i]
+        share = half_step_of_last_digit(row["preload_N"]) / preloads[i]
         item, law = f"{row['bearing']} {row['preload_class']}", "bearing whose angle turns"
-        yield compare_table_entry(
+        yield published_value_of_table_entry(
             source,
             row,
             "line_clearance",
             "clearance_um",
             ("displacement", law, item, "um"),
-            ComputedBand.of(clearance[:, i], 4.0 / 3.0 * moved[0, i] * share),
+            ComputedBand.from_values(clearance[:, i], 4.0 / 3.0 * displacements_um[0, i] * share),
             rounding=0.5,
-            scale=float(2.0 * moved[0, -1]),
+            scale=float(2.0 * displacements_um[0, -1]),
         )
-        yield compare_table_entry(
+        yield published_value_of_table_entry(
             source,
             row,
             "line_preload",
             "rigidity_N_per_um",
             ("rigidity", law, item, "N/um"),
-            ComputedBand.of(rigid[:, i], rigid[0, i] * share / 3.0),
+            ComputedBand.from_values(rigidities[:, i], rigidities[0, i] * share / 3.0),
             left="the conformity is taken from it" if row is rows[-1] else "",
         )
 
 
-def _compare_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> PublishedValue:
+def _published_factor_f0(source: MakerTable, row: Mapping[str, str], factor: float) -> PublishedValue:
     """Return the printed factor f_0 = C_0/(Z D^2 cos alpha) of a bearing together with the computed value.
 
     ``source``: the maker's table; ``row``: texts of the bearing's row, by column; ``factor``: the computed value
     [N/mm^2], with number Z and diameter D of the balls that follow from the printed ratings.
     """
-    off = factor * sum(half_step_of_last_digit(row[key]) / source.number(row[key]) for key in ("Cr_kN", "C0r_kN"))
+    off = factor * sum(half_step_of_last_digit(row[key]) / source.parse_number(row[key]) for key in ("Cr_kN", "C0r_kN"))
     what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} f0", "")
-    return compare_table_entry(source, row, "line_product", "f0", what, ComputedBand.of((factor,), off))
+    return published_value_of_table_entry(source, row, "line_product", "f0", what, ComputedBand.from_values((factor,), off))
 
 
 def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
@@ -283,9 +299,12 @@ def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
 
     def column_values(key: str, factor: float = 1.0) -> Array:
         """Return a column of the table as an array of numbers, times a factor; ``key``: name of the column."""
-        return factor * np.array([source.number(row[key]) for row in source.rows])
+        return factor * np.array([source.parse_number(row[key]) for row in source.rows])
 
-    pitch, angle = np.array([_mean_diameter(row) for row in source.rows]), np.radians(column_values("angle_deg"))
+    pitch, angle = (
+        np.array([_mean_of_bore_and_outer_diameter(row) for row in source.rows]),
+        np.radians(column_values("angle_deg")),
+    )
     usual = np.full(pitch.size, CONFORMITY)
     rows = CatalogueBearings(
         column_values("balls"), column_values("ball_diameter_mm", 1e-3), pitch, usual, angle, YOUNG, POISSON
@@ -294,8 +313,8 @@ def compare_snfa_pair_rigidities() -> Iterator[PublishedValue]:
     for row, found in zip(source.rows, stiff, strict=True):
         item = f"{row['bearing']} {row['angle_deg']} deg {row['preload_class']}"
         what, left = ("rigidity", "bearing whose angle turns", item, "daN/um"), "a formula in disguise"
-        yield compare_table_entry(
-            source, row, "line_preload", "Ra_pair_daN_per_um", what, ComputedBand.of((found,)), left=left
+        yield published_value_of_table_entry(
+            source, row, "line_preload", "Ra_pair_daN_per_um", what, ComputedBand.from_values((found,)), left=left
         )
 
 
@@ -312,13 +331,13 @@ def compare_snfa_load_ratings() -> Iterator[PublishedValue]:
         done.add((row["bearing"], row["C33_daN"]))
         ball, count, x = 1e-3 * float(row["ball_diameter_mm"]), int(row["balls"]), 1.0 / np.array([1.0, 0.98, 1.02])
         off = 2.0 * half_step_of_last_digit(row["ball_diameter_mm"]) / float(row["ball_diameter_mm"])
-        of_dynamic, of_static = rating_factors(radians(float(row["angle_deg"])))
-        x *= ball / _mean_diameter(row)
-        maker = f"{source.head['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
+        of_dynamic, of_static = rating_factor_splines(radians(float(row["angle_deg"])))
+        x *= ball / _mean_of_bore_and_outer_diameter(row)
+        maker = f"{source.header['maker']}, series {'VE' if row['bearing'].startswith('VE') else 'S, E'}"
         for column, found in (
             ("C33_daN", 0.1 * of_dynamic(x) * count ** (2.0 / 3.0) * ball**1.8),
             ("C0_daN", 0.1 * of_static(x) * count * ball**2),
         ):
             what = ("rating", "ISO 281 and ISO 76", f"{row['bearing']} {column.partition('_')[0]}", "daN")
-            band = ComputedBand.of(found, off * float(found[0]))
-            yield compare_table_entry(source, row, "line_product", column, what, band, maker=maker)
+            band = ComputedBand.from_values(found, off * float(found[0]))
+            yield published_value_of_table_entry(source, row, "line_product", column, what, band, maker=maker)

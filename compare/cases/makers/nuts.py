@@ -17,20 +17,20 @@ from rollbench.compare.cases.makers.outside import (
     ComputedBand,
     MakerTable,
     PublishedValue,
-    compare_table_entry,
     half_step_of_last_digit,
+    published_value_of_table_entry,
     read_maker_table,
     read_maker_tables,
 )
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.from_keys import angle_of_touching_balls, oversize_for_preload
+from rollbench.compare.scenes.from_keys import angle_of_touching_balls, ball_oversize_for_preload
 from rollbench.compare.scenes.template import BEYOND, STOCK, WALL
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.rating.contacts import static_rating
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.lowfi.rating.rigidity import PRACTICE, approach_per_displacement, axial_compliance_of_bodies
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.parts import BallErrors, Friction, Load, Motion, Scene, Support
 
 #: Conformity (groove radius over ball diameter): usual value and range; contact angle [deg]. Makers do not print them.
@@ -51,7 +51,7 @@ LIFT = 2.0**1.5
 
 
 @cache
-def _base_screw() -> Scene:
+def _shipped_40x10_screw() -> Scene:
     """Return the shipped scene of a 40x10 ball screw, from which the scenes of catalogue nuts are made."""
     found = catalogue.shipped_scene("unseen-40x10")
     assert isinstance(found, Scene)
@@ -67,61 +67,67 @@ class CatalogueNut:
     part.
     """
 
-    ball: float
-    pitch: float
+    ball_diameter: float
+    pitch_diameter: float
     lead: float
     turns: float
-    short: bool
+    has_one_turn_circuits: bool
 
     @property
-    def touching(self) -> float:
+    def touching_balls_per_turn(self) -> float:
         """Number of balls in one full turn if each ball touches the next one; in general not a whole number."""
-        return float(2.0 * pi / angle_of_touching_balls(0.5 * self.pitch, self.lead, self.ball))
+        return float(2.0 * pi / angle_of_touching_balls(0.5 * self.pitch_diameter, self.lead, self.ball_diameter))
 
     @property
-    def filling(self) -> tuple[float, float]:
+    def filled_fraction_range(self) -> tuple[float, float]:
         """Lowest and highest fraction of the turns that is filled with balls."""
-        return SHORT if self.short else LONG
+        return SHORT if self.has_one_turn_circuits else LONG
 
 
-def scene_of_one_turn(nut: CatalogueNut, conformity: float) -> Scene:
+def scene_of_one_loaded_turn(nut: CatalogueNut, conformity: float) -> Scene:
     """Return the scene of a screw and nut with one loaded turn, whose balls touch each other.
 
     ``conformity``: groove radius over ball diameter.
     """
-    one, groove = _base_screw(), conformity * nut.ball
-    balls = max(1, round(nut.touching))
-    outside = nut.pitch + (1.0 + 2.0 * WALL) * nut.ball
+    one, groove = _shipped_40x10_screw(), conformity * nut.ball_diameter
+    balls = max(1, round(nut.touching_balls_per_turn))
+    outside = nut.pitch_diameter + (1.0 + 2.0 * WALL) * nut.ball_diameter
     return replace(
         one,
-        track=replace(one.track, pitch_radius=0.5 * nut.pitch, lead=nut.lead, contact_angle=radians(ANGLE), starts=1),
-        screw=replace(one.screw, groove_radius=groove, outer_diameter=nut.pitch - 2.0 * BEYOND * nut.ball, bore=0.0),
+        track=replace(
+            one.track, pitch_radius=0.5 * nut.pitch_diameter, lead=nut.lead, contact_angle=radians(ANGLE), starts=1
+        ),
+        screw=replace(
+            one.screw, groove_radius=groove, outer_diameter=nut.pitch_diameter - 2.0 * BEYOND * nut.ball_diameter, bore=0.0
+        ),
         nut=replace(one.nut, groove_radius=groove, outer_diameter=outside),
-        balls=replace(one.balls, radius=0.5 * nut.ball, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
+        balls=replace(one.balls, radius=0.5 * nut.ball_diameter, azimuths=tuple(2.0 * pi * np.arange(balls) / balls)),
     )
 
 
-def nut_load_ratings(nut: CatalogueNut, conformity: float, filling: float) -> tuple[float, float]:
+def nut_load_ratings(nut: CatalogueNut, conformity: float, filled_fraction: float) -> tuple[float, float]:
     """Return the dynamic rating C, then the static rating C_0 of a nut [N] by ISO 3408-5.
 
-    ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls.
+    ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of the turns that is filled with balls.
     """
-    one = scene_of_one_turn(nut, conformity)
-    share = filling * nut.touching / one.ball_count
+    one = scene_of_one_loaded_turn(nut, conformity)
+    share = filled_fraction * nut.touching_balls_per_turn / one.ball_count
     return dynamic_rating(one) * share ** (2.0 / 3.0) * nut.turns**0.86, static_rating(one) * share * nut.turns
 
 
-def nut_displacement(nut: CatalogueNut, conformity: float, filling: float, load: float, *, bodies: bool = True) -> float:
+def nut_displacement(
+    nut: CatalogueNut, conformity: float, filled_fraction: float, load: float, *, with_elastic_bodies: bool = True
+) -> float:
     """Return the axial displacement [m] of a nut without preload, all balls loaded equally.
 
-    ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with balls;
-    ``load``: axial load [N]; ``bodies``: whether the radial deformation of nut and screw (as thick tubes) is added to the
-    deformation of the Hertz contacts.
+    ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of the turns that is filled with balls;
+    ``load``: axial load [N]; ``with_elastic_bodies``: whether the radial deformation of nut and screw (as thick tubes) is
+    added to the deformation of the Hertz contacts.
     """
-    one = scene_of_one_turn(nut, conformity)
-    constants, slope = error_free_hertz(one).C, approach_per_displacement(one)
-    each = load / (filling * nut.touching * nut.turns * slope)
-    tubes = (axial_compliance_of_bodies(one) or 0.0) / nut.turns if bodies else 0.0
+    one = scene_of_one_loaded_turn(nut, conformity)
+    constants, slope = hertz_without_errors(one).C, approach_per_displacement(one)
+    each = load / (filled_fraction * nut.touching_balls_per_turn * nut.turns * slope)
+    tubes = (axial_compliance_of_bodies(one) or 0.0) / nut.turns if with_elastic_bodies else 0.0
     return float((constants[0] + constants[3]) * np.cbrt(each) ** 2 / slope + tubes * load)
 
 
@@ -155,23 +161,23 @@ def nut_of_catalogue_row(source: MakerTable, row: Mapping[str, str]) -> Catalogu
     stock size that fits pitch and root diameter. If the pitch diameter is not printed, it exceeds the nominal diameter by
     the amount that is usual for the ball.
     """
-    pitch = source.number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
+    pitch = source.parse_number(row["pitch_mm"]) if row["pitch_mm"] else 0.0
     if row["ball_mm"]:
-        ball = source.number(row["ball_mm"])
+        ball = source.parse_number(row["ball_mm"])
     else:
-        fits = (pitch - source.number(row["root_mm"])) / DEPTH
+        fits = (pitch - source.parse_number(row["root_mm"])) / DEPTH
         ball = min(STOCK, key=lambda known: abs(known - fits))
-    pitch = pitch or source.number(row["diameter_mm"]) + 2.0 * BEYOND * ball
+    pitch = pitch or source.parse_number(row["diameter_mm"]) + 2.0 * BEYOND * ball
     turns, short = read_loaded_turns(row)
-    return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.number(row["lead_mm"]), turns, short)
+    return CatalogueNut(1e-3 * ball, 1e-3 * pitch, 1e-3 * source.parse_number(row["lead_mm"]), turns, short)
 
 
-def maker_and_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
+def maker_and_rated_nut_type(source: MakerTable, row: Mapping[str, str]) -> str:
     """Return the maker's name, with the type of nut if this maker rates several types by different rules.
 
     ``source``: table of the maker; ``row``: texts of the nut's row, by column.
     """
-    maker = source.head["maker"]
+    maker = source.header["maker"]
     if maker == "HIWIN":
         return f"{maker}, " + ("whole" if row["turns"].startswith("K") else "one-turn") + " recirculation"
     if maker == "THK":
@@ -192,13 +198,21 @@ def compare_nut_ratings() -> Iterator[PublishedValue]:
         for row in source.rows:
             if not row["ball_mm"]:
                 continue
-            nut, unit = nut_of_catalogue_row(source, row), source.unit("load_unit")
-            corners = [(CONFORMITY, 0.5 * sum(nut.filling))] + [(c, x) for c in CONFORMITIES for x in nut.filling]
+            nut, unit = nut_of_catalogue_row(source, row), source.unit_factor("load_unit")
+            corners = [(CONFORMITY, 0.5 * sum(nut.filled_fraction_range))] + [
+                (c, x) for c in CONFORMITIES for x in nut.filled_fraction_range
+            ]
             found = np.array([nut_load_ratings(nut, *corner) for corner in corners]) / unit
             for k, key in enumerate(("C", "C0")):
-                what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.head["load_unit"])
-                yield compare_table_entry(
-                    source, row, "line", key, what, ComputedBand.of(found[:, k]), maker=maker_and_nut_type(source, row)
+                what = ("rating", "ISO 3408-5", f"{row['nut']} {key}", source.header["load_unit"])
+                yield published_value_of_table_entry(
+                    source,
+                    row,
+                    "line",
+                    key,
+                    what,
+                    ComputedBand.from_values(found[:, k]),
+                    maker=maker_and_rated_nut_type(source, row),
                 )
 
 
@@ -222,28 +236,34 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
         for row in source.rows:
             if not row.get("rigidity"):
                 continue
-            nut, unit = nut_of_catalogue_row(source, row), source.unit("load_unit")
-            load = LOADED * source.number(row["C"]) * unit
-            share = filled_fraction_from_static_rating(nut, source.number(row["C0"]) * unit)
-            preload = PRELOADED / LOADED * load if row["type"] in source.head.get("preloaded", "-").split(", ") else 0.0
+            nut, unit = nut_of_catalogue_row(source, row), source.unit_factor("load_unit")
+            load = LOADED * source.parse_number(row["C"]) * unit
+            share = filled_fraction_from_static_rating(nut, source.parse_number(row["C0"]) * unit)
+            preload = PRELOADED / LOADED * load if row["type"] in source.header.get("preloaded", "-").split(", ") else 0.0
 
             def secant_rigidity(
-                conformity: float, filling: float, nut: CatalogueNut = nut, load: float = load, held: float = preload
+                conformity: float,
+                filled_fraction: float,
+                nut: CatalogueNut = nut,
+                load: float = load,
+                start_load: float = preload,
             ) -> float:
-                """Return the secant rigidity [N/m]: ``load`` [N] over the nut's displacement from ``held`` [N] to ``load``.
+                """Return the secant rigidity [N/m] of a nut between two axial loads.
 
-                ``conformity``: groove radius over ball diameter; ``filling``: fraction of the turns that is filled with
-                balls.
+                ``conformity``: groove radius over ball diameter; ``filled_fraction``: fraction of the turns that is filled
+                with balls.
                 """
-                start = nut_displacement(nut, conformity, filling, held) if held else 0.0
-                return load / (nut_displacement(nut, conformity, filling, load) - start)
+                start = nut_displacement(nut, conformity, filled_fraction, start_load) if start_load else 0.0
+                return load / (nut_displacement(nut, conformity, filled_fraction, load) - start)
 
-            stiff = source.unit("rigidity_unit")
+            stiff = source.unit_factor("rigidity_unit")
             corners = [(CONFORMITY, share)] + [(c, x * share) for c in CONFORMITIES for x in (0.95, 1.05)]
-            band = ComputedBand.of(secant_rigidity(*corner) / stiff for corner in corners)
-            what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.head["rigidity_unit"])
-            maker, practice = maker_and_nut_type(source, row), PRACTICE * band.value
-            yield compare_table_entry(source, row, "line", "rigidity", what, band, maker=maker, practice=practice)
+            band = ComputedBand.from_values(secant_rigidity(*corner) / stiff for corner in corners)
+            what = ("rigidity", "contacts and tubes under 0.3 C", row["nut"], source.header["rigidity_unit"])
+            maker, practice = maker_and_rated_nut_type(source, row), PRACTICE * band.value
+            yield published_value_of_table_entry(
+                source, row, "line", "rigidity", what, band, maker=maker, practice=practice
+            )
 
 
 def compare_preloaded_nuts() -> Iterator[PublishedValue]:
@@ -259,27 +279,27 @@ def compare_preloaded_nuts() -> Iterator[PublishedValue]:
     for (kind, size), rows in groups.items():
         turns = prod(map(float, rows[0]["turns"].replace(",", ".").split("x")))
         ball, outer, lead = (
-            1e-3 * source.number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
+            1e-3 * source.parse_number(rows[0][k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
         )
-        nut = CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, short=False)
-        ordered = sorted(rows, key=lambda row: source.number(row["preload_percent_of_C"]))
+        nut = CatalogueNut(ball, outer + 2.0 * BEYOND * ball, lead, turns, has_one_turn_circuits=False)
+        ordered = sorted(rows, key=lambda row: source.parse_number(row["preload_percent_of_C"]))
         top = ordered[-1]
         for row in ordered:
-            share = source.number(row["preload_percent_of_C"])
-            preload = 0.01 * share * source.number(row["C_N"])
+            share = source.parse_number(row["preload_percent_of_C"])
+            preload = 0.01 * share * source.parse_number(row["C_N"])
             if row is top:
                 ends = [
-                    1e-6 * LIFT * preload / nut_displacement(nut, c, x, preload, bodies=bodies)
+                    1e-6 * LIFT * preload / nut_displacement(nut, c, x, preload, with_elastic_bodies=bodies)
                     for c, x, bodies in ((CONFORMITY, 0.95, True), (0.515, 1.0, False), (0.53, 0.9, True))
                 ]
                 law, practice = "contacts and tubes, both nuts loaded", PRACTICE * ends[0]
             else:
-                base, step = source.number(top["Rnu_N_per_um"]), half_step_of_last_digit(top["Rnu_N_per_um"])
-                growth = np.cbrt(share / source.number(top["preload_percent_of_C"]))
+                base, step = source.parse_number(top["Rnu_N_per_um"]), half_step_of_last_digit(top["Rnu_N_per_um"])
+                growth = np.cbrt(share / source.parse_number(top["preload_percent_of_C"]))
                 ends, law, practice = [x * growth for x in (base, base + step, base - step)], "growth with preload", None
             what = ("rigidity", law, f"{kind} {size}, {share:g} % of C", "N/um")
-            yield compare_table_entry(
-                source, row, "line_values", "Rnu_N_per_um", what, ComputedBand.of(ends), practice=practice
+            yield published_value_of_table_entry(
+                source, row, "line_values", "Rnu_N_per_um", what, ComputedBand.from_values(ends), practice=practice
             )
 
 
@@ -293,9 +313,9 @@ SLIDING = "sliding of the balls, coefficient 0.1"
 FEW = 8
 
 
-def _screw_with_few_balls(nut: CatalogueNut) -> Scene:
+def _screw_with_eight_balls(nut: CatalogueNut) -> Scene:
     """Return the scene of a nut with one turn and only 8 balls (`FEW`), on a screw that is supported at both ends."""
-    one = scene_of_one_turn(nut, CONFORMITY)
+    one = scene_of_one_loaded_turn(nut, CONFORMITY)
     ends = (("ux", "uy", "rx", "ry", "rz"), ("ux", "uy"))
     at = (0.0, one.screw.length)
     return replace(
@@ -308,21 +328,23 @@ def _screw_with_few_balls(nut: CatalogueNut) -> Scene:
 
 
 @cache
-def drag_torque_of_ball(nut: CatalogueNut, share: float, coefficient: float, *, double: bool) -> float:
+def drag_torque_of_ball(nut: CatalogueNut, axial_force_on_ball: float, coefficient: float, *, double: bool) -> float:
     """Return the drag torque [N m] of one ball of a preloaded nut, or of two balls of a double nut, one in each nut.
 
-    ``share``: axial force [N] that the preload exerts on the ball; ``coefficient``: coefficient of friction; ``double``:
-    whether the nut is double, so that its balls are loaded on two flanks. In a single nut, oversize balls are loaded on
-    four flanks.
+    ``axial_force_on_ball``: axial force [N] that the preload exerts on the ball; ``coefficient``: coefficient of friction;
+    ``double``: whether the nut is double, so that its balls are loaded on two flanks. In a single nut, oversize balls are
+    loaded on four flanks.
     """
-    scene = _screw_with_few_balls(nut)
+    scene = _screw_with_eight_balls(nut)
     if double:
-        loaded = replace(scene, loads=(Load(0.0, (0.0, 0.0, share * FEW)),))
+        loaded = replace(scene, loads=(Load(0.0, (0.0, 0.0, axial_force_on_ball * FEW)),))
     else:
-        size = BallErrors(oversize=oversize_for_preload(scene, share * FEW))
+        size = BallErrors(oversize=ball_oversize_for_preload(scene, axial_force_on_ball * FEW))
         loaded = replace(scene, errors=replace(scene.errors, balls=size))
-    found = run_model(loaded, "lin", Options(discretisation=False))
-    torque = friction_state(loaded, found, Friction(coefficient, coefficient), Motion(2.0 * pi)).torque.friction
+    found = run_model(loaded, "lin", ModelOptions(estimate_beam_mesh_error=False))
+    torque = friction_state(
+        loaded, found, Friction(coefficient, coefficient), Motion(2.0 * pi)
+    ).friction_sums.friction_torque
     return (2.0 if double else 1.0) * torque / FEW
 
 
@@ -332,7 +354,7 @@ def drag_torque_of_nut(nut: CatalogueNut, preload: float, coefficient: float = D
     ``coefficient``: coefficient of friction; ``double``: True for a double nut, whose balls are loaded on two flanks; False
     for a single nut with oversize balls, which are loaded on four flanks.
     """
-    balls = nut.touching * nut.turns
+    balls = nut.touching_balls_per_turn * nut.turns
     return balls * drag_torque_of_ball(nut, preload / balls, coefficient, double=double)
 
 
@@ -371,7 +393,7 @@ FORMULAS = (
 
 
 @dataclass(frozen=True)
-class DragComparison:
+class DragTorqueRatios:
     """Drag torques divided by preload and nominal diameter, computed and by makers' formulas, for nuts of one lead.
 
     ``diameter``: nominal diameter [m]; ``lead``: lead [m]; ``single``, ``double``: computed torque of a single and of a
@@ -379,12 +401,12 @@ class DragComparison:
     coefficient; ``formulas``: torques by the makers' formulas, in the order of `FORMULAS`.
     """
 
-    diameter: float
+    nominal_diameter: float
     lead: float
     single: float
     double: float
-    least: tuple[float, float]
-    formulas: tuple[float, ...]
+    at_smallest_friction: tuple[float, float]
+    by_makers_formulas: tuple[float, ...]
 
 
 #: Nominal diameter and leads [mm] at which formulas are compared; diameter of the ball [mm]; axial force on a ball [N].
@@ -393,10 +415,10 @@ SWEPT, BALL, SHARE = (32.0, (8.0, 10.0, 16.0, 20.0, 32.0)), 4.763, 60.0
 
 def nut_for_drag_comparison(lead: float) -> CatalogueNut:
     """Return the nut for which the makers' drag-torque formulas are compared: one turn, and a given lead [m]."""
-    return CatalogueNut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, short=False)
+    return CatalogueNut(1e-3 * BALL, 1e-3 * (SWEPT[0] + 0.22 * BALL), lead, 1.0, has_one_turn_circuits=False)
 
 
-def compare_drag_over_lead() -> list[DragComparison]:
+def drag_torque_ratios_over_lead() -> list[DragTorqueRatios]:
     """Return the drag torque of a nut for several leads, by the sliding of its balls and by the makers' formulas.
 
     The axial force on each ball is the same for all leads.
@@ -408,13 +430,13 @@ def compare_drag_over_lead() -> list[DragComparison]:
             drag_torque_of_ball(nut, SHARE, mu, double=x) / (SHARE * d0) for mu in (DEFAULT, LEAST) for x in (False, True)
         ]
         formulas = tuple(f(1.0, d0, 1e-3 * lead) / d0 for _, f in FORMULAS)
-        rows.append(DragComparison(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
+        rows.append(DragTorqueRatios(d0, 1e-3 * lead, drag[0], drag[1], (drag[2], drag[3]), formulas))
     return rows
 
 
-def fit_power_exponent(values: list[float], over: list[float]) -> float:
-    """Return the exponent n of the power law ``values`` ~ ``over``^n, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(over), np.log(values), 1)[0])
+def fit_power_exponent(values: list[float], abscissas: list[float]) -> float:
+    """Return the exponent n of the power law ``values`` ~ ``abscissas``^n, by least squares of the logarithms."""
+    return float(np.polyfit(np.log(abscissas), np.log(values), 1)[0])
 
 
 def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
@@ -424,18 +446,26 @@ def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
     """
     source = read_maker_table("rexroth-preload")
     for row in source.rows:
-        ball, outer, lead = (1e-3 * source.number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm"))
+        ball, outer, lead = (
+            1e-3 * source.parse_number(row[k]) for k in ("ball_diameter_mm", "nominal_diameter_mm", "lead_mm")
+        )
         if not row["torque_low_Nm"]:
             continue
         turns = prod(map(float, row["turns"].replace(",", ".").split("x")))
-        share = source.number(row["preload_percent_of_C"])
-        nut = CatalogueNut(ball, outer + 0.22 * ball, lead, turns, short=False)
-        preload, double = 0.01 * share * source.number(row["C_N"]), row["nut_kind"] == "double nut"
+        share = source.parse_number(row["preload_percent_of_C"])
+        nut = CatalogueNut(ball, outer + 0.22 * ball, lead, turns, has_one_turn_circuits=False)
+        preload, double = 0.01 * share * source.parse_number(row["C_N"]), row["nut_kind"] == "double nut"
         torque = drag_torque_of_nut(nut, preload, double=double)
-        low, high = (source.number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
+        low, high = (source.parse_number(row[k]) for k in ("torque_low_Nm", "torque_high_Nm"))
         what = ("torque", SLIDING, f"{row['nut_kind']} {row['size']}, {share:g} % of C", "N m")
-        one = compare_table_entry(
-            source, row, "line_values", "torque_high_Nm", what, ComputedBand.of((torque,)), left="a formula in disguise"
+        one = published_value_of_table_entry(
+            source,
+            row,
+            "line_values",
+            "torque_high_Nm",
+            what,
+            ComputedBand.from_values((torque,)),
+            left="a formula in disguise",
         )
         yield replace(one, value=0.5 * (low + high), rounding=0.5 * (high - low))
 
@@ -454,11 +484,11 @@ def drag_torque_of_measured_screws() -> ComputedBand:
     ball = 1e-3 * max(b for b in STOCK if b <= 0.635e3 * MEASURED_LEAD)
     found = {}
     for outer in DIAMETERS:
-        one = CatalogueNut(ball, 1e-3 * outer + 0.22 * ball, MEASURED_LEAD, 1.0, short=False)
+        one = CatalogueNut(ball, 1e-3 * outer + 0.22 * ball, MEASURED_LEAD, 1.0, has_one_turn_circuits=False)
         turns = (MEASURED_C / nut_load_ratings(one, CONFORMITY, 0.95)[0]) ** (1.0 / 0.86)
         for double in (False, True):
             found[outer, double] = drag_torque_of_nut(replace(one, turns=turns), MEASURED_PRELOAD, double=double)
-    return ComputedBand.of((found[DIAMETERS[1], True], *found.values()))
+    return ComputedBand.from_values((found[DIAMETERS[1], True], *found.values()))
 
 
 def compare_measured_drag_torques() -> Iterator[PublishedValue]:
@@ -471,5 +501,5 @@ def compare_measured_drag_torques() -> Iterator[PublishedValue]:
     ends = {name: [r for r in source.rows if r["screw"] == name] for name in dict.fromkeys(r["screw"] for r in source.rows)}
     for name, rows in ends.items():
         for row, state in ((rows[0], "new"), (rows[-1], "worn")):
-            what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.head['maker']}, rig"
-            yield compare_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)
+            what, maker = ("torque", SLIDING, f"{name}, {state}", "N m"), f"{source.header['maker']}, rig"
+            yield published_value_of_table_entry(source, row, "line", "torque_Nm", what, band, maker=maker)

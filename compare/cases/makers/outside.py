@@ -17,8 +17,8 @@ import numpy as np
 
 from rollbench.compare.evidence import computations_with_function, evidence
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
-from rollbench.reports.content import Cell, Quantity, Table
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.reports.content import Cell, Table, TableColumn
 
 MAKER, MEASURED, PROGRAM = "printed by a maker", "measured", "another program"
 #: Folder of the CSV files with makers' printed tables.
@@ -36,25 +36,25 @@ class MakerTable:
     """
 
     name: str
-    head: Mapping[str, str]
+    header: Mapping[str, str]
     rows: tuple[Mapping[str, str], ...]
 
-    def number(self, text: str) -> float:
+    def parse_number(self, text: str) -> float:
         """Convert a printed text to a number, with the decimal and thousands separators that the table's head states."""
-        plain = re.sub(r"[\s\u00a0]", "", text).replace(self.head.get("thousands", " "), "")
-        return float(plain.replace(self.head.get("decimal", "."), "."))
+        plain = re.sub(r"[\s\u00a0]", "", text).replace(self.header.get("thousands", " "), "")
+        return float(plain.replace(self.header.get("decimal", "."), "."))
 
-    def unit(self, key: str) -> float:
+    def unit_factor(self, key: str) -> float:
         """Return the factor from a printed unit to SI; ``key``: line of the table's head with the unit, as "load_unit"."""
-        return UNITS[self.head[key]]
+        return UNITS[self.header[key]]
 
-    def lists_as_misprint(self, what: str) -> bool:
+    def is_listed_as_misprint(self, what: str) -> bool:
         """Return whether the table's head lists a printed value as a misprint.
 
         ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
         without a quantity stands for all quantities of the part.
         """
-        return any(what.startswith(known) for known in self.head.get("misprints", "-").split("; "))
+        return any(what.startswith(known) for known in self.header.get("misprints", "-").split("; "))
 
 
 @cache
@@ -87,7 +87,7 @@ class ComputedBand(NamedTuple):
     high: float
 
     @classmethod
-    def of(cls, values: Iterable[float], slack: float = 0.0) -> ComputedBand:
+    def from_values(cls, values: Iterable[float], slack: float = 0.0) -> ComputedBand:
         """Return the first of several computed values, together with the range of all of them.
 
         ``values``: computed values, the most probable first; ``slack``: amount by which the range is widened at each end,
@@ -97,12 +97,12 @@ class ComputedBand(NamedTuple):
         return cls(every[0], min(every) - slack, max(every) + slack)
 
     @classmethod
-    def within(cls, value: float, share: float) -> ComputedBand:
+    def from_relative_half_width(cls, value: float, share: float) -> ComputedBand:
         """Return a computed value, together with a range of plus or minus a fraction of it.
 
         ``share``: half width of the range over the value.
         """
-        return cls.of((value,), abs(value) * share)
+        return cls.from_values((value,), abs(value) * share)
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,8 @@ class PublishedValue:
     quantity: str
     law: str
     maker: str
-    item: str
-    cls: str
+    part: str
+    kind_of_source: str
     origin: str
     unit: str
     value: float
@@ -134,7 +134,9 @@ class PublishedValue:
     @property
     def group(self) -> str:
         """Name of the group that shares a row of the summary table: the maker, or "programs and textbooks"."""
-        return self.maker if self.law != "the model of its table" or self.cls == MAKER else "programs and textbooks"
+        return (
+            self.maker if self.law != "the model of its table" or self.kind_of_source == MAKER else "programs and textbooks"
+        )
 
     @property
     def verdict(self) -> str:
@@ -151,32 +153,32 @@ class PublishedValue:
         return float(error_percent(self.computed.value, self.value, self.scale or None))
 
 
-def compare_table_entry(
+def published_value_of_table_entry(
     source: MakerTable,
     row: Mapping[str, str],
-    line: str,
+    line_column: str,
     column: str,
-    what: tuple[str, str, str, str],
+    quantity_model_part_unit: tuple[str, str, str, str],
     computed: ComputedBand,
     **others: Any,
 ) -> PublishedValue:
     """Return a number printed in a maker's table together with the computed value.
 
-    ``source``: the table; ``row``: printed texts by column; ``line``: name of the column with the line number in the
-    original file; ``column``: name of the column of the number. ``what``: quantity, name of the model, part, and unit of
-    the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of further fields
-    of `PublishedValue`, by name.
+    ``source``: the table; ``row``: printed texts by column; ``line_column``: name of the column with the line number in the
+    original file; ``column``: name of the column of the number. ``quantity_model_part_unit``: quantity, name of the model,
+    part, and unit of the number, in this order. ``computed``: computed value and range in that unit. ``others``: values of
+    further fields of `PublishedValue`, by name.
     """
-    quantity, law, item, unit = what
-    fields: dict[str, Any] = {"maker": source.head["maker"], "rounding": half_step_of_last_digit(row[column])} | others
-    if source.lists_as_misprint(f"{item} {quantity}"):
+    quantity, law, item, unit = quantity_model_part_unit
+    fields: dict[str, Any] = {"maker": source.header["maker"], "rounding": half_step_of_last_digit(row[column])} | others
+    if source.is_listed_as_misprint(f"{item} {quantity}"):
         fields["left"] = "a misprint"
-    origin, value = f"{source.name}.csv, line {row[line]} of its origin", source.number(row[column])
+    origin, value = f"{source.name}.csv, line {row[line_column]} of its origin", source.parse_number(row[column])
     return PublishedValue(
         quantity=quantity,
         law=law,
-        item=item,
-        cls=source.head["class"],
+        part=item,
+        kind_of_source=source.header["class"],
         origin=origin,
         unit=unit,
         value=value,
@@ -194,12 +196,12 @@ class ErrorStatistics:
     ``practice``: mean error [%] of the computed values after reduction as makers reduce them, None without such values.
     """
 
-    number: int
-    bias: float
-    scatter: float
-    inside: int
-    width: float
-    practice: float | None
+    count: int
+    mean_error_percent: float
+    standard_deviation_percent: float
+    count_in_range: int
+    median_range_width_percent: float
+    reduced_mean_error_percent: float | None
 
 
 def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
@@ -230,20 +232,24 @@ def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[s
     return groups
 
 
-BIAS = Quantity("bias", "bias", "%", "+.1f")
+BIAS = TableColumn("bias", "bias", "%", "+.1f")
 
-SCATTER = Quantity("scatter", "scatter", "%", ".1f")
+SCATTER = TableColumn("scatter", "scatter", "%", ".1f")
 
-NUMBER = Quantity("number", "published values", "", ".0f")
+NUMBER = TableColumn("number", "published values", "", ".0f")
 
 
-def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[Quantity, Cell]]:
+def statistics_cells_by_quantity(found: Sequence[PublishedValue]) -> dict[str, dict[TableColumn, Cell]]:
     """Return table cells with number, bias [%] and scatter [%] of the errors of all judged values, by quantity.
 
     ``found``: published values with the computed ones.
     """
     rows = {key: error_statistics(values) for (key,), values in group_by_fields(found, "quantity").items()}
-    return {key: {NUMBER: s.number, BIAS: s.bias, SCATTER: s.scatter} for key, s in rows.items() if s is not None}
+    return {
+        key: {NUMBER: s.count, BIAS: s.mean_error_percent, SCATTER: s.standard_deviation_percent}
+        for key, s in rows.items()
+        if s is not None
+    }
 
 
 def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
@@ -251,7 +257,7 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
 
     ``found``: published values with the computed ones.
     """
-    rows: list[dict[Quantity | str, Cell]] = []
+    rows: list[dict[TableColumn | str, Cell]] = []
     without: list[str] = []
     for (quantity, law, group), values in group_by_fields(found, "quantity", "law", "group").items():
         left = [x.left for x in values if x.left]
@@ -265,12 +271,12 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
                 "quantity": quantity,
                 "against": group,
                 "computed by": law,
-                NUMBER: s.number,
-                BIAS: s.bias,
-                SCATTER: s.scatter,
-                Quantity("inside", "in the computed band", "", ".0f"): s.inside,
-                Quantity("width", "median width of the band", "%", ".1f"): s.width,
-                Quantity("practice", "bias of 80 % of the computed value", "%", "+.1f"): s.practice,
+                NUMBER: s.count,
+                BIAS: s.mean_error_percent,
+                SCATTER: s.standard_deviation_percent,
+                TableColumn("inside", "in the computed band", "", ".0f"): s.count_in_range,
+                TableColumn("width", "median width of the band", "%", ".1f"): s.median_range_width_percent,
+                TableColumn("practice", "bias of 80 % of the computed value", "%", "+.1f"): s.reduced_mean_error_percent,
                 "not judged": words,
             }
         )
@@ -280,7 +286,7 @@ def bias_and_scatter_table(found: Sequence[PublishedValue]) -> Table:
         "of the displacement under the measuring load, those of contact loads by CalculiX of the mean load. 80 %: fraction "
         f"of a computed nut rigidity that makers advise to use. Not judged: {'; '.join(without)}."
     )
-    return Table.of(
+    return Table.from_rows(
         "outside-summary", "Bias and scatter of computed against published values, by quantity and publisher", rows, note
     )
 
@@ -290,18 +296,18 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
 
     ``found``: published values with the computed ones.
     """
-    rows: list[dict[Quantity | str, Cell]] = [
+    rows: list[dict[TableColumn | str, Cell]] = [
         {
             "quantity": x.quantity,
             "maker": x.maker,
-            "class": x.cls,
-            "item": x.item,
-            Quantity("value", "value", "", "g6"): x.value,
+            "class": x.kind_of_source,
+            "item": x.part,
+            TableColumn("value", "value", "", "g6"): x.value,
             "unit": x.unit,
-            Quantity("computed", "computed", "", "g6"): x.computed.value,
-            Quantity("low", "band from", "", "g6"): x.computed.low,
-            Quantity("high", "band to", "", "g6"): x.computed.high,
-            Quantity("error", "error", "%", ".2f"): x.error_percent,
+            TableColumn("computed", "computed", "", "g6"): x.computed.value,
+            TableColumn("low", "band from", "", "g6"): x.computed.low,
+            TableColumn("high", "band to", "", "g6"): x.computed.high,
+            TableColumn("error", "error", "%", ".2f"): x.error_percent,
             "verdict": x.verdict,
             "law": x.law,
             "origin": x.origin,
@@ -312,7 +318,7 @@ def published_values_table(found: Sequence[PublishedValue]) -> Table:
         "Makers' tables stand in compare/cases/makers/tables; the first lines of each name repository, commit and file "
         "of its origin."
     )
-    return Table.of(
+    return Table.from_rows(
         "outside", "All published values of makers, measurements and programs, with the computed values", rows, note
     )
 
@@ -347,22 +353,24 @@ QUANTITIES = {
 OTHERS = {("external-contact", "approach"): "displacement"}
 
 
-def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
+def published_values_of_external_case(cache: SceneResultCache) -> Iterator[PublishedValue]:
     """Yield every published number of the case ``external`` that has a computed value, together with this value.
 
     Its printed tables are listed in `PRINTED`. Numbers of class "open", whose basis is not printed, are yielded but not
-    judged. ``study``: gives the solved scenes.
+    judged. ``cache``: gives the solved scenes.
     """
     for name, (maker, cls) in PRINTED.items():
         if name not in computations_with_function():
             continue
-        for e in evidence(study, name):
+        for e in evidence(cache, name):
             p = e.printed
             if p.value is None or e.value is None:
                 continue
             patch = "contact patch" if name == "external-contact" and not p.unit else QUANTITIES[p.unit]
             quantity = OTHERS.get((name, p.key), patch)
-            rounding = p.tolerance if p.cls == "hard" else max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
+            rounding = (
+                p.tolerance if p.entry_class == "hard" else max(p.value - (p.low or p.value), (p.high or p.value) - p.value)
+            )
             yield PublishedValue(
                 quantity,
                 "the model of its table",
@@ -373,37 +381,37 @@ def compare_external_tables(study: Study) -> Iterator[PublishedValue]:
                 p.unit,
                 p.value,
                 rounding,
-                ComputedBand.of((e.value,)),
-                left="" if p.cls in ("hard", "band") else "open: what it rests on is not printed",
+                ComputedBand.from_values((e.value,)),
+                left="" if p.entry_class in ("hard", "band") else "open: what it rests on is not printed",
             )
 
 
-def compare_calculix(study: Study) -> Iterator[PublishedValue]:
+def contact_loads_by_calculix(cache: SceneResultCache) -> Iterator[PublishedValue]:
     """Yield the contact loads [N] by the program CalculiX, each with the load by the 3D reference as the computed value.
 
-    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``study``: gives
+    CalculiX's loads are extrapolated over its meshes. Errors are in per cent of the mean contact load. ``cache``: gives
     stored 3D references.
     """
     from rollbench.compare.studies.crosscheck.results import (
         compare_contact_loads,
-        load_results,
+        load_calculix_results,
         path_of_stored_results,
-        shipped_results,
+        shipped_results_folder,
     )
     from rollbench.compare.studies.crosscheck.study import STUDIES
 
     for name in STUDIES:
-        data, ours = load_results(shipped_results(), name), study.reference(name)
+        data, ours = load_calculix_results(shipped_results_folder(), name), cache.stored_reference(name)
         if data is None or ours is None:
             continue
         mean = float(ours.mean)
         for row in compare_contact_loads(data, ours):
             off = 0.01 * row.ours_percent * mean
             words = ("contact load", "3D reference", "CalculiX", f"{name}: ball {row.ball} {row.side}", PROGRAM)
-            value = (row.theirs, 0.01 * row.theirs_percent * mean, ComputedBand.of((row.ours,), off), mean)
+            value = (row.theirs, 0.01 * row.theirs_percent * mean, ComputedBand.from_values((row.ours,), off), mean)
             yield PublishedValue(
                 *words,
-                f"stored run, compare/studies/crosscheck/{path_of_stored_results(shipped_results(), name).name}",
+                f"stored run, compare/studies/crosscheck/{path_of_stored_results(shipped_results_folder(), name).name}",
                 "N",
                 *value,
             )

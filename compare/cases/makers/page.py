@@ -9,10 +9,10 @@ import numpy as np
 from rollbench.compare.cases.makers import bearings, nuts, outside
 from rollbench.compare.cases.makers.outside import read_maker_tables
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.rating.rigidity import PRACTICE
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Cell, Figure, Panel, Quantity, Section, Series, Table, Text
+from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Table, TableColumn, Text
 
 TITLE = "Computed values against makers' tables, measurements and other programs"
 #: Order of quantities in tables; others follow.
@@ -30,45 +30,47 @@ COMPARISONS = (
 )
 
 
-def compared_published_values(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Return all published values with their computed values, sorted by quantity; ``study``: caches the result."""
-    return study.compute_once(_compare_all)
+def all_published_values(cache: SceneResultCache) -> tuple[outside.PublishedValue, ...]:
+    """Return all published values with their computed values, sorted by quantity; ``cache``: caches the result."""
+    return cache.compute_once(_all_published_values)
 
 
-def _compare_all(study: Study) -> tuple[outside.PublishedValue, ...]:
-    """Compute all values that are compared with published ones, sorted by quantity; ``study``: gives the solved scenes."""
+def _all_published_values(cache: SceneResultCache) -> tuple[outside.PublishedValue, ...]:
+    """Compute all values that are compared with published ones, sorted by quantity; ``cache``: gives the solved scenes."""
     found = [
-        *outside.compare_external_tables(study),
-        *outside.compare_calculix(study),
+        *outside.published_values_of_external_case(cache),
+        *outside.contact_loads_by_calculix(cache),
         *(x for law in COMPARISONS for x in law()),
     ]
     rank = {name: k for k, name in enumerate(ORDER)}
     return tuple(sorted(found, key=lambda x: rank.get(x.quantity, len(rank))))
 
 
-def first_page(study: Study) -> dict[str, dict[Quantity, Cell]]:
+def first_page(cache: SceneResultCache) -> dict[str, dict[TableColumn, Cell]]:
     """Return table cells for the report's first page: number, bias [%] and scatter [%] of the errors, by quantity.
 
-    The errors are those of computed against published values. ``study``: gives solved scenes and stored 3D references.
+    The errors are those of computed against published values. ``cache``: gives solved scenes and stored 3D references.
     """
-    return outside.statistics_cells_by_quantity(compared_published_values(study))
+    return outside.statistics_cells_by_quantity(all_published_values(cache))
 
 
 def _error_statistics_of_quantity(
-    found: Sequence[outside.PublishedValue], quantity: str, law: str = "", maker: str = ""
+    found: Sequence[outside.PublishedValue], quantity: str, model_prefix: str = "", maker_prefix: str = ""
 ) -> outside.ErrorStatistics:
     """Return bias and scatter of the errors of one quantity, of which at least one value must be judged.
 
-    ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity"; ``law``,
-    ``maker``: first characters of the names of the models and makers that count; empty: all.
+    ``found``: published values with the computed ones; ``quantity``: name of the quantity, such as "rigidity";
+    ``model_prefix``, ``maker_prefix``: first characters of the names of the models and makers that count; empty: all.
     """
-    values = [x for x in found if x.quantity == quantity and x.law.startswith(law) and x.maker.startswith(maker)]
+    values = [
+        x for x in found if x.quantity == quantity and x.law.startswith(model_prefix) and x.maker.startswith(maker_prefix)
+    ]
     result = outside.error_statistics(values)
     assert result is not None
     return result
 
 
-def _clearance_errors(found: Sequence[outside.PublishedValue]) -> Array:
+def _clearance_errors_um(found: Sequence[outside.PublishedValue]) -> Array:
     """Return the differences [um] of computed from printed axial clearances of preloaded bearings in ``found``."""
     printed = (x for x in found if not x.left and x.quantity == "displacement" and x.unit == "um" and x.scale)
     return np.array([x.computed.value - x.value for x in printed])
@@ -82,7 +84,7 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     """
     judged = [x for x in found if not x.left]
     clear = _error_statistics_of_quantity(found, "displacement", "bearing whose angle turns")
-    off = _clearance_errors(found)
+    off = _clearance_errors_um(found)
     sets = [
         _error_statistics_of_quantity(found, quantity, "sets and preloads", "NSK")
         for quantity in ("preload", "rigidity", "torque")
@@ -94,8 +96,8 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
             "computed. Where no input is free they agree: bias and scatter of preload, rigidity and starting "
             "torque of NSK's sets are "
         )
-        + ", ".join(f"{s.bias:+.1f} and {s.scatter:.1f} %" for s in sets)
-        + f", and {clear.number} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
+        + ", ".join(f"{s.mean_error_percent:+.1f} and {s.standard_deviation_percent:.1f} %" for s in sets)
+        + f", and {clear.count} axial clearances agree to {np.sqrt((off**2).mean()):.2f} um RMS."
     )
 
 
@@ -105,12 +107,12 @@ def clearances_text(found: Sequence[outside.PublishedValue]) -> str:
     ``found``: all published values with the computed ones.
     """
     stiff = _error_statistics_of_quantity(found, "rigidity", "bearing whose angle turns")
-    off = _clearance_errors(found)
+    off = _clearance_errors_um(found)
     return (
         "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
         "load: with balls from the ratings and the conformity from one rigidity of each bearing, "
         f"{int((np.abs(off) <= 1.0).sum())} of {off.size} come out within 1 um. The rigidities at the other "
-        f"preloads come out with bias {stiff.bias:+.1f} and scatter {stiff.scatter:.1f} %."
+        f"preloads come out with bias {stiff.mean_error_percent:+.1f} and scatter {stiff.standard_deviation_percent:.1f} %."
     )
 
 
@@ -132,9 +134,9 @@ def nut_rigidity_text(found: Sequence[outside.PublishedValue]) -> str:
     return (
         f"Printed rigidities of nuts are lower than computed because makers print about {100.0 * PRACTICE:g} "
         "% of the computed value. With the number of loaded balls inferred from the maker's own C_0, "
-        f"contacts and tubes are {bare.bias:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them "
+        f"contacts and tubes are {bare.mean_error_percent:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them "
         f"{min(means):+.0f} to {max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 "
-        f"%. Rexroth's do not come out ({rex.bias:+.0f} %): a factor of 0.43 at every size and preload. Its "
+        f"%. Rexroth's do not come out ({rex.mean_error_percent:+.0f} %): a factor of 0.43 at every size and preload. Its "
         "origin stays open (ISO 3408-4's factor of accuracy is named, but its value could not be read); the "
         "growth of Rexroth's values with preload does come out."
     )
@@ -148,18 +150,18 @@ def loaded_balls_text(found: Sequence[outside.PublishedValue]) -> str:
     shares = dict[str, list[tuple[float, float]]]()
     for source in read_maker_tables("nuts-"):
         for row in source.rows:
-            if row["ball_mm"] and not source.lists_as_misprint(row["nut"]) and source.head["maker"] != "Rexroth":
-                nut, unit = nuts.nut_of_catalogue_row(source, row), source.unit("load_unit")
+            if row["ball_mm"] and not source.is_listed_as_misprint(row["nut"]) and source.header["maker"] != "Rexroth":
+                nut, unit = nuts.nut_of_catalogue_row(source, row), source.unit_factor("load_unit")
                 ratings = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
-                printed = [source.number(row[key]) * unit / x for key, x in zip(("C", "C0"), ratings, strict=True)]
-                shares.setdefault(nuts.maker_and_nut_type(source, row), []).append((printed[0] ** 1.5, printed[1]))
+                printed = [source.parse_number(row[key]) * unit / x for key, x in zip(("C", "C0"), ratings, strict=True)]
+                shares.setdefault(nuts.maker_and_rated_nut_type(source, row), []).append((printed[0] ** 1.5, printed[1]))
     words = ", ".join(
         f"{name} {np.median([x for _, x in pairs]):.2f} ({np.median([x for x, _ in pairs]):.2f} by C)"
         for name, pairs in shares.items()
     )
     rex = [x for x in found if x.maker == "Rexroth" and x.quantity == "rating"]
     high = [
-        float(np.median([x.computed.value / x.value for x in rex if x.item.endswith(f" {key}")])) for key in ("C", "C0")
+        float(np.median([x.computed.value / x.value for x in rex if x.part.endswith(f" {key}")])) for key in ("C", "C0")
     ]
     return (
         "C and C_0 of a nut, two different formulas, give the same fraction of the balls that touch: "
@@ -174,10 +176,10 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 
     ``found``: all published values with the computed ones.
     """
-    rows = nuts.compare_drag_over_lead()
+    rows = nuts.drag_torque_ratios_over_lead()
     leads = [r.lead for r in rows]
     sliding = [nuts.fit_power_exponent([getattr(r, key) for r in rows], leads) for key in ("single", "double")]
-    theirs = [nuts.fit_power_exponent([r.formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
+    theirs = [nuts.fit_power_exponent([r.by_makers_formulas[k] for r in rows], leads) for k in range(len(nuts.FORMULAS))]
     named = ", ".join(f"{name.split(':')[0]} {x:.2f}" for (name, _), x in zip(nuts.FORMULAS, theirs, strict=True))
     shares = [nuts.SHARE, 2.0 * nuts.SHARE]
     over = [
@@ -187,10 +189,13 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
         )
         for d in (False, True)
     ]
-    least = [float(np.median([r.least[k] / getattr(r, key) for r in rows])) for k, key in enumerate(("single", "double"))]
-    cases = [x for x in found if x.cls == outside.MEASURED]
+    least = [
+        float(np.median([r.at_smallest_friction[k] / getattr(r, key) for r in rows]))
+        for k, key in enumerate(("single", "double"))
+    ]
+    cases = [x for x in found if x.kind_of_source == outside.MEASURED]
     one = cases[0]
-    words = ", ".join(f"{x.value:g} {x.item.split(', ')[1]}" for x in cases)
+    words = ", ".join(f"{x.value:g} {x.part.split(', ')[1]}" for x in cases)
     return (
         f"By the sliding of the balls, drag torque grows with the lead to the power {sliding[0]:.2f} (balls "
         f"pressed on four flanks) and {sliding[1]:.2f} (double nut); by the makers' formulas {named}. None of "
@@ -208,21 +213,23 @@ def drag_torque_text(found: Sequence[outside.PublishedValue]) -> str:
 
 def drag_torque_table() -> Table:
     """Return the table of drag torque divided by preload and nominal diameter, for several leads: computed, by formulas."""
-    rows: list[dict[Quantity | str, Cell]] = []
-    for one in nuts.compare_drag_over_lead():
-        row: dict[Quantity | str, Cell] = {
-            Quantity("lead", "lead", "mm", "g3"): 1e3 * one.lead,
-            Quantity("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
-            Quantity("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
-            Quantity("least", f"single nut, coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3 * one.least[0],
-            Quantity("least_double", f"double nut, coefficient {nuts.LEAST:g}", "1e-3", ".3f"): 1e3 * one.least[1],
+    rows: list[dict[TableColumn | str, Cell]] = []
+    for one in nuts.drag_torque_ratios_over_lead():
+        row: dict[TableColumn | str, Cell] = {
+            TableColumn("lead", "lead", "mm", "g3"): 1e3 * one.lead,
+            TableColumn("single", "single nut", "1e-3", ".1f"): 1e3 * one.single,
+            TableColumn("double", "double nut", "1e-3", ".1f"): 1e3 * one.double,
+            TableColumn("least", f"single nut, coefficient {nuts.LEAST:g}", "1e-3", ".2f"): 1e3
+            * one.at_smallest_friction[0],
+            TableColumn("least_double", f"double nut, coefficient {nuts.LEAST:g}", "1e-3", ".3f"): 1e3
+            * one.at_smallest_friction[1],
         }
-        for (name, _), value in zip(nuts.FORMULAS, one.formulas, strict=True):
-            row[Quantity(name, name, "1e-3", ".1f")] = 1e3 * value
+        for (name, _), value in zip(nuts.FORMULAS, one.by_makers_formulas, strict=True):
+            row[TableColumn(name, name, "1e-3", ".1f")] = 1e3 * value
         rows.append(row)
     at = f"Nominal diameter {nuts.SWEPT[0]:g} mm, balls of {nuts.BALL:g} mm, {nuts.SHARE:g} N each"
     note = f"{at}; coefficient {nuts.DEFAULT:g}, or as named."
-    return Table.of(
+    return Table.from_rows(
         "outside-drag",
         "Drag torque divided by preload and nominal diameter, for several leads: computed, and by makers' formulas",
         rows,
@@ -252,13 +259,13 @@ def sorted_errors_figure(found: Sequence[outside.PublishedValue]) -> Figure:
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section that compares computed values with makers' tables, measurements and other programs.
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("outside values")
-    found = compared_published_values(study)
+    found = all_published_values(cache)
     items = (
         Text((clearances_text(found), nut_rigidity_text(found), loaded_balls_text(found), drag_torque_text(found))),
         outside.bias_and_scatter_table(found),

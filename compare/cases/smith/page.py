@@ -8,20 +8,24 @@ import numpy as np
 
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.smith.evidence import axis, bearings
-from rollbench.compare.evidence import Evidence, count_entries_by_verdict, evidence, reproduction_sentence
+from rollbench.compare.evidence import PrintedEntryComparison, count_entries_by_verdict, evidence, reproduction_sentence
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.sections.source_tables import computation_tables, read_layouts, tables_of_printed_numbers
+from rollbench.compare.sections.source_tables import (
+    read_table_layouts,
+    tables_of_printed_numbers,
+    tables_on_computation_of_numbers,
+)
 from rollbench.compare.sections.verdicts import misprints_table
 from rollbench.compare.studies import roller as rollers
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
 from rollbench.lowfi.bearings.axis import carriage_to_frame_stiffness
 from rollbench.meshes.axis import Assembly
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
@@ -57,7 +61,9 @@ def hertz_parameters_figure() -> Figure:
     at = np.linspace(0.0, 0.9999, 200)
     exact = np.array([dimensionless_hertz_parameters(float(f)) for f in at])
     names = {"delta": ("δ*", "approach", 0), "a": ("a*", "major", 1), "b": ("b*", "minor", 2)}
-    printed = {key: [r for r in load_table("smith-table-2-1") if r.key.startswith(f"{key}_") and r.value] for key in names}
+    printed = {
+        key: [r for r in load_printed_table("smith-table-2-1") if r.key.startswith(f"{key}_") and r.value] for key in names
+    }
     differences = bearings.DIFFERENCES
     curves, off = [], []
     for key, (label, fit, column) in names.items():
@@ -74,14 +80,16 @@ def hertz_parameters_figure() -> Figure:
         inside = [f for f in differences if 0.3 < f < 0.99]
         fits = [
             float(
-                error_percent(as_printed.hertz_parameter_by_polynomial(f, fit), dimensionless_hertz_parameters(f)[column])
+                error_percent(
+                    as_printed.hertz_parameter_by_smith_polynomial(f, fit), dimensionless_hertz_parameters(f)[column]
+                )
             )
             for f in inside
         ]
         if key != "b":
             off.append(Series(f"{label}, fit", inside, fits, "line"))
     panels = (
-        Panel("Table 2-1 and exact integrals", "F(p)", "δ*, b*", curves, zero=True),
+        Panel("Table 2-1 and exact integrals", "F(p)", "δ*, b*", curves, include_zero=True),
         Panel("error against exact integrals", "F(p)", "error / %", off),
     )
     caption = (
@@ -96,7 +104,7 @@ def hertz_parameters_figure() -> Figure:
     )
 
 
-def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
+def bearing_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
     """Draw the axial stiffness of one bearing over its thrust: computed, by Smith's spreadsheets, and tested.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -110,7 +118,7 @@ def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
     ]
     theory = [1e-6 * (f.printed.value or 0.0) for f in found if f.printed.key.startswith("theory_")]
     series = (
-        Series("ball, correct", [float(x) for x in loads], ours, "line", emphasis=True),
+        Series("ball, correct", [float(x) for x in loads], ours, "line", bold=True),
         Series(
             "ball, Smith's spreadsheet",
             [float(x) for x in loads],
@@ -120,19 +128,22 @@ def bearing_stiffness_panel(found: Sequence[Evidence]) -> Panel:
         Series("ball, tested", at, [1e-6 * (f.printed.value or 0.0) for f in tested], "markers"),
         Series("ball, printed theory", at, theory, "markers"),
         Series(
-            "taper, correct", [float(x) for x in loads], [bearings.taper_stiffness(float(x)) / 1e6 for x in loads], "line"
+            "taper, correct",
+            [float(x) for x in loads],
+            [bearings.tapered_bearing_stiffness(float(x)) / 1e6 for x in loads],
+            "line",
         ),
         Series(
             "taper, Smith's spreadsheet",
             [float(x) for x in loads],
-            [bearings.taper_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
+            [bearings.tapered_bearing_spreadsheet_stiffness(float(x)) / 1e6 for x in loads],
             "line",
         ),
     )
-    return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, zero=True)
+    return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, include_zero=True)
 
 
-def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
+def axis_stiffness_panel(found: Sequence[PrintedEntryComparison]) -> Panel:
     """Draw the axis stiffness over the nut's position, for ball and tapered support bearings, and by Smith's sum in series.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -142,17 +153,17 @@ def axis_stiffness_panel(found: Sequence[Evidence]) -> Panel:
     unit = 1e6 * bearings.POUND_PER_INCH
     series = []
     for kind in axis.KINDS:
-        k = axis.bearing_state_at_end(kind, "left", "stretch").stiffness
+        k = axis.bearing_set_state_at_end(kind, "left", "stretch").stiffness
         for words, right in (("fixed-fixed", k), ("fixed-supported", 0.0)):
             a = bearings.screw_as_bar_between_supports(k, right)
             values = carriage_to_frame_stiffness(a, a.length * places, bearings.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
         total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, Smith's sum in series", [0.5], [1e-6 * (total.as_printed or 0.0)], "markers"))
-    return Panel("screw axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
+    return Panel("screw axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, include_zero=True)
 
 
-def stiffness_figure(found: Sequence[Evidence]) -> Figure:
+def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     """Draw the stiffness of the support bearings over thrust, and that of the axis over the nut's position.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -168,7 +179,7 @@ def stiffness_figure(found: Sequence[Evidence]) -> Figure:
     return Figure("smith-stiffness", title, (bearing_stiffness_panel(found), axis_stiffness_panel(found)), caption)
 
 
-def row_loads_figure(found: Sequence[Evidence]) -> Figure:
+def bearing_row_loads_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     """Draw the loads of all bearing rows of section 4.2 as Smith prints them, and as computed from equilibrium.
 
     ``found``: printed values of Smith's thesis with the computed ones.
@@ -182,8 +193,10 @@ def row_loads_figure(found: Sequence[Evidence]) -> Figure:
             names = [f"{f.printed.key.split('_')[1]} {f.printed.key[-1]}" for f in rows]
             at = list(range(1, len(rows) + 1))
             series.append(Series(f"{state}, ours", at, [f.value or 0.0 for f in rows], "line+markers"))
-            series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", emphasis=True))
-        panels.append(Panel(words, "end and row", "load / lbf", series, zero=True, integer_x=True, names=names))
+            series.append(Series(f"{state}, printed", at, [f.printed.value or 0.0 for f in rows], "markers", bold=True))
+        panels.append(
+            Panel(words, "end and row", "load / lbf", series, include_zero=True, integer_x=True, abscissa_names=names)
+        )
     caption = (
         "Preload: bearings alone; stretch: screw stretched as well; applied: also 1000 lbf on the carriage towards the "
         "left. Smith does not solve for equilibrium: at each end he adds half of the tension and of this load to the rows "
@@ -205,33 +218,35 @@ LAYOUT_NOTE = (
 )
 
 
-def axis_layouts_table(study: Study) -> Table:
+def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     """Return the table of the thrust on both end supports and of the axis stiffness, by bearing layout and nut position.
 
-    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``study``: gives the solved
+    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``cache``: gives the solved
     scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []
-    for layout, place, scene, closed in axis.compare_scenes_with_formulas(study):
-        study.record_used_scenes((layout.scene,))
-        difference = float(error_percent(scene.stiffness, closed.stiffness))
-        series = axis.axis_stiffness_by_smith_sum(layout) / unit
+    for layout, place, scene, closed in axis.compare_beam_model_with_formulas(cache):
+        cache.record_used_scenes((layout.scene_name,))
+        difference = float(error_percent(scene.axis_stiffness, closed.axis_stiffness))
+        series = axis.axis_stiffness_by_sum_in_series(layout) / unit
         rows.append(
             {
-                "layout": layout.words,
-                Quantity("place", "nut's position / L", "", ".1f"): place,
-                Quantity("left_scene", "left end, scene", "lbf", ".0f"): scene.left / bearings.POUND,
-                Quantity("left_formula", "left end, formulas", "lbf", ".0f"): closed.left / bearings.POUND,
-                Quantity("right_scene", "right end, scene", "lbf", ".0f"): scene.right / bearings.POUND,
-                Quantity("right_formula", "right end, formulas", "lbf", ".0f"): closed.right / bearings.POUND,
-                Quantity("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.stiffness / unit,
-                Quantity("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.stiffness / unit,
-                Quantity("difference", "scene against formulas", "%", ".2f"): difference,
-                Quantity("series", "stiffness, Smith's sum", "10⁶ lbf/in", ".3f"): series if np.isfinite(series) else None,
+                "layout": layout.description,
+                TableColumn("place", "nut's position / L", "", ".1f"): place,
+                TableColumn("left_scene", "left end, scene", "lbf", ".0f"): scene.left_thrust / bearings.POUND,
+                TableColumn("left_formula", "left end, formulas", "lbf", ".0f"): closed.left_thrust / bearings.POUND,
+                TableColumn("right_scene", "right end, scene", "lbf", ".0f"): scene.right_thrust / bearings.POUND,
+                TableColumn("right_formula", "right end, formulas", "lbf", ".0f"): closed.right_thrust / bearings.POUND,
+                TableColumn("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"): scene.axis_stiffness / unit,
+                TableColumn("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"): closed.axis_stiffness / unit,
+                TableColumn("difference", "scene against formulas", "%", ".2f"): difference,
+                TableColumn("series", "stiffness, Smith's sum", "10⁶ lbf/in", ".3f"): series
+                if np.isfinite(series)
+                else None,
             }
         )
-    return Table.of(
+    return Table.from_rows(
         "smith-layouts",
         "Thrust on both end supports and stiffness of the screw axis, by bearing layout and nut position",
         rows,
@@ -247,35 +262,38 @@ ROLLER_NOTE = (
 )
 
 
-def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
+def tapered_roller_table_and_figure(cache: SceneResultCache) -> tuple[Table | Figure, ...]:
     """Return table and figure of one tapered roller in 3D and by load-deflection laws; empty without stored 3D results.
 
-    ``study``: records that the scene smith-axis-taper is used.
+    ``cache``: records that the scene smith-axis-taper is used.
     """
-    study.record_used_scenes(("smith-axis-taper",))
+    cache.record_used_scenes(("smith-axis-taper",))
     scene = catalogue.shipped_scene("smith-axis-taper")
     assert isinstance(scene, Assembly)
     (roller,) = rollers.roller_kinds_with_largest_load(scene)
-    runs = [run for level in rollers.LEVELS if (run := rollers.stored_run(roller, level, (shipped_store(),))) is not None]
+    runs = [
+        run for level in rollers.LEVELS if (run := rollers.stored_roller_run(roller, level, (shipped_store(),))) is not None
+    ]
     if not runs:
         return ()
     rows: list[Row] = []
     for one in rollers.roller_quantity_rows(roller, runs):
         row: Row = {"quantity": f"{one['quantity']}, {one['unit']}"}
         row |= {
-            Quantity(f"level_{run.level}", f"3D, level {run.level}", "", ".4g"): one[f"level {run.level}"] for run in runs
+            TableColumn(f"level_{run.level}", f"3D, level {run.level}", "", ".4g"): one[f"level {run.level}"]
+            for run in runs
         }
-        row |= {Quantity("uncertainty", "uncertainty", "", ".2g"): one["uncertainty"]}
+        row |= {TableColumn("uncertainty", "uncertainty", "", ".2g"): one["uncertainty"]}
         for key, words in (("low_order", "slices"), ("norm", "spring"), ("line_contact", "line contact")):
-            row[Quantity(key, words, "", ".4g")] = one[key]
-            row[Quantity(f"{key}_error", f"{words} against 3D", "%", ".2f")] = one[f"{key}_error_percent"]
+            row[TableColumn(key, words, "", ".4g")] = one[key]
+            row[TableColumn(f"{key}_error", f"{words} against 3D", "%", ".2f")] = one[f"{key}_error_percent"]
         rows.append(row)
     best = runs[-1]
     times = ", ".join(f"{run.cpu_seconds:.0f} s for {run.cells} cells on level {run.level}" for run in runs)
-    note = f"{ROLLER_NOTE} {rollers.low_order_sentence(roller, runs)} Processor time: {times}."
+    note = f"{ROLLER_NOTE} {rollers.low_order_error_sentence(roller, runs)} Processor time: {times}."
     along = [1e3 * x for x in best.along]
-    even = [1e-3 * roller.load / roller.row.length] * 2
-    half = 500.0 * roller.row.length
+    even = [1e-3 * roller.largest_load / roller.roller_row.length] * 2
+    half = 500.0 * roller.roller_row.length
     loads = [
         Series(f"3D, {race}", along, [1e-3 * q for q in best.line_load[i]], "line") for i, race in enumerate(rollers.RACES)
     ]
@@ -289,12 +307,12 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
             "along the roller / mm",
             "N/mm",
             (*loads, Series("slices", [-half, half], even, "line")),
-            zero=True,
+            include_zero=True,
         ),
-        Panel("largest contact pressure", "along the roller / mm", "MPa", pressures, zero=True),
+        Panel("largest contact pressure", "along the roller / mm", "MPa", pressures, include_zero=True),
     )
-    caption = f"One roller under {roller.load:.4g} N. Load and pressure are even, except at the rounded ends."
-    table = Table.of(
+    caption = f"One roller under {roller.largest_load:.4g} N. Load and pressure are even, except at the rounded ends."
+    table = Table.from_rows(
         "smith-roller-3d",
         "Deflection and pressure of a tapered roller between its races: in 3D, and by load-deflection laws",
         rows,
@@ -305,19 +323,19 @@ def roller_table_and_figure(study: Study) -> tuple[Table | Figure, ...]:
     )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections on Smith (1994).
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("support bearings and axis")
-    found = evidence(study, *PRINTED)
+    found = evidence(cache, *PRINTED)
     by_name = {f.printed.name: f for f in found}
-    listed = read_layouts(next(case for case in CASES if case.name == "smith"))
+    listed = read_table_layouts(next(case for case in CASES if case.name == "smith"))
     drawn = {
         "smith-ball": (hertz_parameters_figure(), stiffness_figure(found)),
-        "smith-taper": roller_table_and_figure(study),
-        "smith-axis": (row_loads_figure(found), axis_layouts_table(study)),
+        "smith-taper": tapered_roller_table_and_figure(cache),
+        "smith-axis": (bearing_row_loads_figure(found), end_thrusts_and_stiffness_table(cache)),
     }
     chapters = [
         Section(name, title, (*tables_of_printed_numbers(printed, listed, by_name), *drawn.get(name, ())))
@@ -334,6 +352,6 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
         Section(
             "smith-audit",
             "Smith (1994): misprints, and how each of the printed numbers is recomputed",
-            (misprints_table("smith"), *computation_tables(PRINTED)),
+            (misprints_table("smith"), *tables_on_computation_of_numbers(PRINTED)),
         ),
     )

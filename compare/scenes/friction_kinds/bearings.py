@@ -16,35 +16,47 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindKeys, KindScene, first_scene_fields
-from rollbench.compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, SpeedKeys, Table, key
+from rollbench.compare.scenes.friction_kinds.common import (
+    FrictionScene,
+    FrictionSceneKeys,
+    name_title_source_and_assumptions,
+)
+from rollbench.compare.scenes.keys import (
+    BallPathKeys,
+    BallSizeKeys,
+    CoulombFrictionKeys,
+    GrooveKeys,
+    RingSpeedKeys,
+    SceneFileTable,
+    key,
+)
 from rollbench.lowfi.friction.bearing import ALL, DIAGONAL, OTHER, BallRow, Bearing, BearingCase
 from rollbench.lowfi.friction.linear.bearing import LinearBearing, Loads, contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.ranges import ContactAngle, Quantity, Rate, Size
+from rollbench.meshes.ranges import ContactAngle, QuantityRange, RateRange, Size
 
 Law = Literal["coulomb", "regularised", "sigmoid"]
 
-Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
+Creep = Annotated[float, RateRange("speed", "0 m/s", "1 m/s", "0.1 mm/s", lower_limit_excluded=True)]
 
-Move = Annotated[float, Quantity("length", "-1 mm", "1 mm", "5 um")]
+Move = Annotated[float, QuantityRange("length", "-1 mm", "1 mm", "5 um")]
 
-Axial = Annotated[float, Quantity("force", "-1 MN", "1 MN", "100 N")]
+Axial = Annotated[float, QuantityRange("force", "-1 MN", "1 MN", "100 N")]
 
-Sharpness = Annotated[float, Quantity("number", 0, 1_000_000, 100, above=True)]
+Sharpness = Annotated[float, QuantityRange("number", 0, 1_000_000, 100, lower_limit_excluded=True)]
 
-MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
+MapStep = Annotated[float, QuantityRange("number", 0, 1, 0.08, lower_limit_excluded=True)]
 
 
-class RingLoadKeys(Table):
+class InnerRingLoadKeys(SceneFileTable):
     """Axial force and radial displacement of the inner ring."""
 
     axial_force: Axial = key("force on the inner ring along its axis")
     radial_displacement: Move = key("radial displacement of the inner ring towards the ball", "0 um", "5 um")
 
 
-class LawKeys(CoulombKeys):
+class FrictionLawKeys(CoulombFrictionKeys):
     """Coefficient of friction between ball and grooves, and the friction law."""
 
     law: Law = key("friction law: Coulomb's, Coulomb's regularised, or the sigmoid of Lin (3.20)", "coulomb", "coulomb")
@@ -55,19 +67,19 @@ class LawKeys(CoulombKeys):
     )
 
 
-class BearingBallKeys(common.SectionKeys):
+class BearingBallKeys(common.EqualGrooveSceneKeys):
     """One ball of a rotary bearing; the inner ring turns, the outer ring is fixed."""
 
     kind: Literal["bearing ball"] = key("what the scene describes", example="bearing ball")
-    track: PathKeys = key("path of the ball centres, of zero lead")
+    track: BallPathKeys = key("path of the ball centres, of zero lead")
     balls: BallSizeKeys = key("the ball")
-    load: RingLoadKeys = key("force and displacement of the inner ring")
-    motion: SpeedKeys = key("motion of the inner ring")
-    friction: LawKeys = key("friction")
+    load: InnerRingLoadKeys = key("force and displacement of the inner ring")
+    motion: RingSpeedKeys = key("motion of the inner ring")
+    friction: FrictionLawKeys = key("friction")
 
 
 @dataclass(frozen=True)
-class BearingBallScene(KindScene):
+class BearingBallScene(FrictionScene):
     """Scene of one ball in a rotary bearing, under an axial force and a radial displacement of the inner ring.
 
     ``force``: axial force [N]; ``displacement``: radial displacement [m]; ``law``: friction law; ``creep``: sliding speed
@@ -78,17 +90,17 @@ class BearingBallScene(KindScene):
 
     kind: ClassVar[str] = "bearing ball"
     bearing: Bearing
-    force: float
-    displacement: float
-    law: Law
-    creep: float
+    axial_force: float
+    radial_displacement: float
+    friction_law: Law
+    regularisation_speed: float
     sharpness: float
-    map_step: float | None
+    friction_table_step: float | None
 
 
 def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     """Yield the faults of a scene file of one bearing ball: contradictory keys, and geometry the model does not cover."""
-    wrong = [*common.material_faults(keys.material), *common.groove_and_path_faults(keys, ring=True)]
+    wrong = [*common.material_faults(keys.material), *common.groove_and_path_faults(keys, is_bearing=True)]
     yield from wrong
     if wrong:
         return
@@ -97,7 +109,7 @@ def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
     yield from _friction_law_faults(keys.friction, keys.motion.speed)
 
 
-def _friction_law_faults(friction: LawKeys, speed: float) -> Iterator[Fault]:
+def _friction_law_faults(friction: FrictionLawKeys, speed: float) -> Iterator[Fault]:
     """Yield the faults of the keys of a friction law: parameters of another law, missing ones, or no rotation.
 
     ``friction``: keys of the friction law; ``speed``: angular speed of the inner ring [rad/s].
@@ -128,11 +140,11 @@ def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
         f.coefficient,
         0.0,
         keys.motion.speed,
-        hertz=keys.ingredients.solver_mode,
+        hertz=keys.ingredients.hertz_mode_of_solver,
         clearance=0.0 - keys.errors.balls.oversize,
     )
     return BearingBallScene(
-        *first_scene_fields(keys, name),
+        *name_title_source_and_assumptions(keys, name),
         bearing,
         keys.load.axial_force,
         keys.load.radial_displacement,
@@ -146,39 +158,41 @@ def bearing_ball_scene(keys: BearingBallKeys, name: str) -> BearingBallScene:
 # --- the kind "bearing pair": comparison of a four-point and a double-row bearing over the angle of the load (Lin 4.3.1)
 
 
-LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
+LoadAngle = Annotated[float, QuantityRange("angle", "0 deg", "90 deg", "18 deg")]
 
 
-class RowBallKeys(BallSizeKeys):
+class BearingRowBallKeys(BallSizeKeys):
     """Evenly spaced balls of one bearing row: their size and number."""
 
     count: Annotated[int, Field(ge=1, le=1000)] = key("balls in a row", example=9)
 
 
-class RingKeys(Table):
+class RotaryBearingKeys(SceneFileTable):
     """Rotary bearing whose inner ring turns and whose outer ring is fixed."""
 
-    track: PathKeys = key("path of the ball centres, of zero lead")
+    track: BallPathKeys = key("path of the ball centres, of zero lead")
     screw: GrooveKeys = key("groove of the inner ring", example={"groove_radius": "6.75 mm"})
     nut: GrooveKeys = key("groove of the outer ring, with the same radius", example={"groove_radius": "6.75 mm"})
-    balls: RowBallKeys = key("balls of each row")
-    errors: common.SharedErrorKeys = key("geometric errors", common.SharedErrorKeys(), {"balls": {"oversize": "1 um"}})
+    balls: BearingRowBallKeys = key("balls of each row")
+    errors: common.BallRadiusErrorKeys = key(
+        "geometric errors", common.BallRadiusErrorKeys(), {"balls": {"oversize": "1 um"}}
+    )
 
 
-class RowKeys(Table):
+class BearingRowsKeys(SceneFileTable):
     """Distance and arrangement of the two rows of balls of a double-row bearing."""
 
     distance: Size = key("axial distance of the rows", example="12 mm")
     arrangement: Literal["back to back", "face to face"] = key("arrangement of the rows", "back to back", "back to back")
 
 
-class DoubleRowKeys(RingKeys):
+class DoubleRowBearingKeys(RotaryBearingKeys):
     """Double-row angular-contact bearing."""
 
-    rows: RowKeys = key("the rows")
+    rows: BearingRowsKeys = key("the rows")
 
 
-class BearingLoadKeys(Table):
+class InnerRingForceKeys(SceneFileTable):
     """Force on the inner ring midway between its rows, at several angles from the axis, and whether the ring may tilt."""
 
     force: common.Pressing = key("size of the force")
@@ -188,20 +202,22 @@ class BearingLoadKeys(Table):
     tilt: bool = key("whether the inner ring is free to tilt", True, True)
 
 
-class BearingPairKeys(KindKeys):
+class BearingPairKeys(FrictionSceneKeys):
     """Four-point bearing and double-row bearing under the same force."""
 
     kind: Literal["bearing pair"] = key("what the scene describes", example="bearing pair")
-    four_point: RingKeys = key("the four-point bearing")
-    double_row: DoubleRowKeys = key("the double-row bearing")
-    load: BearingLoadKeys = key("force on the inner ring")
-    motion: SpeedKeys = key("motion of the inner ring")
-    friction: CoulombKeys = key("friction")
-    ingredients: common.HertzKeys = key("options of the low-order model", common.HertzKeys(), {"hertz": "nominal"})
+    four_point: RotaryBearingKeys = key("the four-point bearing")
+    double_row: DoubleRowBearingKeys = key("the double-row bearing")
+    load: InnerRingForceKeys = key("force on the inner ring")
+    motion: RingSpeedKeys = key("motion of the inner ring")
+    friction: CoulombFrictionKeys = key("friction")
+    ingredients: common.HertzConstantKeys = key(
+        "options of the low-order model", common.HertzConstantKeys(), {"hertz": "nominal"}
+    )
 
 
 @dataclass(frozen=True)
-class BearingPairScene(KindScene):
+class BearingPairScene(FrictionScene):
     """Scene of a four-point and a double-row bearing under the same force.
 
     ``angle``: angles of the force from the axis ``(n,)`` [rad], for each of which the scene is solved.
@@ -210,7 +226,7 @@ class BearingPairScene(KindScene):
     kind: ClassVar[str] = "bearing pair"
     four_point: BearingCase
     double_row: BearingCase
-    angle: Array
+    force_angles: Array
 
 
 def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
@@ -220,7 +236,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
     if wrong:
         return
     for table, b in (("four_point", keys.four_point), ("double_row", keys.double_row)):
-        wrong = list(common.groove_and_path_faults(b, f"{table}.", ring=True))
+        wrong = list(common.groove_and_path_faults(b, f"{table}.", is_bearing=True))
         yield from wrong
         if not wrong:
             most = int(pi / asin(b.balls.radius / b.track.pitch_radius))
@@ -235,7 +251,7 @@ def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
         yield Fault(("motion.speed",), "not zero", "let the inner ring turn; friction torque is computed for a moving ring")
 
 
-def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCase:
+def _bearing_case_from_keys(keys: BearingPairKeys, ring: RotaryBearingKeys) -> BearingCase:
     """Return one of the two bearings of a scene, with load and friction; ``ring``: keys of this bearing."""
     groove = ScrewGroove(
         ring.balls.radius,
@@ -247,10 +263,10 @@ def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCas
         keys.friction.coefficient,
         0.0,
         keys.motion.speed,
-        hertz=keys.ingredients.solver_mode,
+        hertz=keys.ingredients.hertz_mode_of_solver,
     )
     rows: tuple[BallRow, ...] = (BallRow(0.0, ALL),)
-    if isinstance(ring, DoubleRowKeys):
+    if isinstance(ring, DoubleRowBearingKeys):
         half = 0.5 * ring.rows.distance
         first, second = (OTHER, DIAGONAL) if ring.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
         rows = (BallRow(-half, first), BallRow(half, second))
@@ -260,21 +276,21 @@ def _bearing_case_from_keys(keys: BearingPairKeys, ring: RingKeys) -> BearingCas
 def bearing_pair_scene(keys: BearingPairKeys, name: str) -> BearingPairScene:
     """Return the scene ``name`` of a four-point and a double-row bearing from the validated keys of its file."""
     four, double = (_bearing_case_from_keys(keys, b) for b in (keys.four_point, keys.double_row))
-    return BearingPairScene(*first_scene_fields(keys, name), four, double, np.array(keys.load.angles))
+    return BearingPairScene(*name_title_source_and_assumptions(keys, name), four, double, np.array(keys.load.angles))
 
 
-Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
+Speed = Annotated[float, RateRange("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 
-SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]
+SideRatio = Annotated[float, QuantityRange("number", -10, 10, -0.6)]
 
 
-class StraightKeys(Table):
+class LinearTrackKeys(SceneFileTable):
     """Contact angle of a linear bearing, whose ball centres move on a straight path."""
 
     contact_angle: ContactAngle = key("nominal angle between contact normals and vertical force")
 
 
-class ChainLoadKeys(Table):
+class CarriageForceKeys(SceneFileTable):
     """Vertical force of the carriage on each ball of a linear bearing, and how contact loads follow from it."""
 
     vertical_force: common.Pressing = key("force that presses on each ball")
@@ -285,26 +301,26 @@ class ChainLoadKeys(Table):
     )
 
 
-class PairLoadKeys(ChainLoadKeys):
+class CarriageForceOnPairKeys(CarriageForceKeys):
     """Force of the carriage on two balls of a linear bearing; the side forces on the two balls are opposite."""
 
     side_force_ratio: SideRatio = key("side force on the first ball divided by vertical_force")
 
 
-class CarriageKeys(Table):
+class CarriageSpeedKeys(SceneFileTable):
     """Speed of the carriage of a linear bearing."""
 
     carriage: Speed = key("speed of the carriage along the track")
 
 
-class LinearAngleKeys(Table):
+class BottomAngleDeviationKeys(SceneFileTable):
     """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
 
     deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
     mated: bool = key("whether the top groove's angles match (Lin 3.3.4.2)", False, False)
 
 
-class ChainBallKeys(Table):
+class BallOfChainKeys(SceneFileTable):
     """One ball in a chain of balls of a linear bearing: side force, contact angles, and gap to the next ball."""
 
     side_force_ratio: SideRatio = key("side force divided by vertical_force", 0.0)
@@ -316,34 +332,34 @@ class ChainBallKeys(Table):
     gap: common.Gap = key("gap to the next ball; 0: the two balls may touch", "0 mm", "0.5 mm")
 
 
-class LinearKeys(KindKeys):
+class LinearBearingKeys(FrictionSceneKeys):
     """Linear bearing with balls between equal gothic-arch grooves at bottom and top."""
 
-    track: StraightKeys = key("path of the ball centres")
+    track: LinearTrackKeys = key("path of the ball centres")
     grooves: GrooveKeys = key("cross-section of both grooves", example={"conformity": 0.56})
     balls: BallSizeKeys = key("the balls")
-    motion: CarriageKeys = key("motion of the carriage")
-    friction: common.RubbingKeys = key("friction")
+    motion: CarriageSpeedKeys = key("motion of the carriage")
+    friction: common.BallFrictionKeys = key("friction")
 
 
-class LinearPairKeys(LinearKeys):
+class LinearPairKeys(LinearBearingKeys):
     """Two balls of a linear bearing, which may touch each other."""
 
     kind: Literal["linear pair"] = key("what the scene describes", example="linear pair")
-    angles: LinearAngleKeys = key("contact angles")
-    load: PairLoadKeys = key("force of the carriage")
+    angles: BottomAngleDeviationKeys = key("contact angles")
+    load: CarriageForceOnPairKeys = key("force of the carriage")
 
 
-class LinearChainKeys(LinearKeys):
+class LinearChainKeys(LinearBearingKeys):
     """Chain of balls in a linear bearing, which may touch each other."""
 
     kind: Literal["linear chain"] = key("what the scene describes", example="linear chain")
-    load: ChainLoadKeys = key("force of the carriage")
-    chain: Annotated[list[ChainBallKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
+    load: CarriageForceKeys = key("force of the carriage")
+    chain: Annotated[list[BallOfChainKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
 
 
 @dataclass(frozen=True)
-class LinearScene(KindScene):
+class LinearBearingScene(FrictionScene):
     """Scene of N balls in a linear bearing.
 
     ``angles``: contact angles (N, 4) [rad] before loading, at bottom left, bottom right, top right and top left;
@@ -353,23 +369,23 @@ class LinearScene(KindScene):
     """
 
     bearing: LinearBearing
-    angles: Array
-    vertical: float
-    side: Array
-    distribution: Loads
-    gap: Array
+    contact_angles: Array
+    vertical_force: float
+    side_force_ratios: Array
+    load_distribution: Loads
+    ball_gaps: Array
 
 
 @dataclass(frozen=True)
-class LinearPairScene(LinearScene):
+class LinearPairScene(LinearBearingScene):
     """Scene of two balls in a linear bearing whose bottom contact angles deviate by ``deviation`` [rad]."""
 
     kind: ClassVar[str] = "linear pair"
-    deviation: float
+    angle_deviation: float
 
 
 @dataclass(frozen=True)
-class LinearChainScene(LinearScene):
+class LinearChainScene(LinearBearingScene):
     """Scene of a chain of balls in a linear bearing."""
 
     kind: ClassVar[str] = "linear chain"
@@ -406,18 +422,20 @@ def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Faul
             return
 
 
-def allowed_side_force_ratios(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
+def allowed_side_force_ratios(
+    contact_angles: Array, nominal_contact_angle: float, distribution: Loads
+) -> tuple[float, float]:
     """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
 
-    ``angles``: contact angles (4,) [rad] at bottom left, bottom right, top right and top left; ``nominal``: nominal contact
-    angle [rad]; ``distribution``: how the contact loads follow from the forces, a value of the key ``load.distribution``.
-    The ratios are infinite for "elastic", where contacts may separate.
+    ``contact_angles``: contact angles (4,) [rad] at bottom left, bottom right, top right and top left;
+    ``nominal_contact_angle``: nominal contact angle [rad]; ``distribution``: how the contact loads follow from the forces,
+    a value of the key ``load.distribution``. The ratios are infinite for "elastic", where contacts may separate.
     """
     if distribution == "elastic":
         return -np.inf, np.inf
     if distribution == "diagonal":
-        return -tan(nominal), tan(nominal)
-    bl, br, tr, tl = (tan(float(a)) for a in angles)
+        return -tan(nominal_contact_angle), tan(nominal_contact_angle)
+    bl, br, tr, tl = (tan(float(a)) for a in contact_angles)
     return -min(bl, tr), min(br, tl)
 
 
@@ -439,7 +457,7 @@ def _ball_angles_and_gaps(keys: LinearPairKeys | LinearChainKeys) -> tuple[Array
     return keys.track.contact_angle + turned, side, gap
 
 
-def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearScene:
+def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> LinearBearingScene:
     """Return the scene ``name`` of balls in a linear bearing from the validated keys of its file."""
     f, radius = keys.friction, keys.balls.radius
     bearing = LinearBearing(
@@ -452,7 +470,7 @@ def linear_bearing_scene(keys: LinearPairKeys | LinearChainKeys, name: str) -> L
         *common.elastic_constants(keys.material),
     )
     angles, side, gap = _ball_angles_and_gaps(keys)
-    force, how, head = keys.load.vertical_force, keys.load.distribution, first_scene_fields(keys, name)
+    force, how, head = keys.load.vertical_force, keys.load.distribution, name_title_source_and_assumptions(keys, name)
     if isinstance(keys, LinearPairKeys):
         return LinearPairScene(*head, bearing, angles, force, side, how, gap[:-1], keys.angles.deviation)
     return LinearChainScene(*head, bearing, angles, force, side, how, gap[:-1])

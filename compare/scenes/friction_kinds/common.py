@@ -13,22 +13,22 @@ from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.key_checks import groove_definition_faults
 from rollbench.compare.scenes.keys import (
     MATERIAL,
+    BallOversizeKeys,
+    BallPathKeys,
     BallSizeKeys,
-    CoulombKeys,
+    CoulombFrictionKeys,
     GrooveKeys,
-    HeadKeys,
     MaterialKeys,
-    OversizeKeys,
-    PathKeys,
-    Table,
+    SceneFileTable,
+    TitleKeys,
     key,
 )
 from rollbench.lowfi.friction.screw.groove import Mode, ScrewGroove
-from rollbench.meshes.ranges import Coefficient, Quantity
+from rollbench.meshes.ranges import Coefficient, QuantityRange
 from rollbench.meshes.scene_text import toml_of_tables
 
 
-class KindKeys(HeadKeys):
+class FrictionSceneKeys(TitleKeys):
     """Keys that the file of every scene has for which only friction is computed: kind, material, title."""
 
     kind: str = key("what the scene describes")
@@ -36,7 +36,7 @@ class KindKeys(HeadKeys):
 
 
 @dataclass(frozen=True)
-class KindScene:
+class FrictionScene:
     """Scene for which only friction is computed; base class of all such kinds.
 
     ``source``: publication of the data; ``assumed``: assumptions where the publication gives no value.
@@ -50,49 +50,49 @@ class KindScene:
 
     def to_toml(self) -> str:
         """Return the scene as the text of a scene file."""
-        from rollbench.compare.scenes.friction_kinds.table import friction_scene_tables
+        from rollbench.compare.scenes.friction_kinds.table import scene_file_tables_of_friction_scene
 
-        return toml_of_tables(friction_scene_tables(self))
+        return toml_of_tables(scene_file_tables_of_friction_scene(self))
 
 
 Head = tuple[str, str, str, tuple[str, ...]]
 
 
-def first_scene_fields(keys: KindKeys, name: str) -> Head:
+def name_title_source_and_assumptions(keys: FrictionSceneKeys, name: str) -> Head:
     """Return the first fields of the record of a friction scene: ``name``, title, source of the data, and assumptions."""
     assumed = tuple(map(escape_unprintable, keys.assumed))
     return name, escape_unprintable(keys.title), escape_unprintable(keys.source), assumed
 
 
 @dataclass(frozen=True)
-class SceneKind:
+class FrictionSceneKind:
     """Kind of scene for which only friction is computed: how its file is read.
 
     ``keys``: class of the keys; ``faults``: function that yields the faults of keys; ``record``: function that returns the
     scene from its keys and its name.
     """
 
-    keys: type[KindKeys]
-    faults: Callable[[Any], Iterator[Fault]]
-    record: Callable[[Any, str], KindScene]
+    key_class: type[FrictionSceneKeys]
+    faults_of_keys: Callable[[Any], Iterator[Fault]]
+    scene_from_keys: Callable[[Any, str], FrictionScene]
 
 
-Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
+Pressing = Annotated[float, QuantityRange("force", "0 N", "1 MN", "100 N", lower_limit_excluded=True)]
 
-AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
+AxialLoad = Annotated[float, QuantityRange("force", "-1 MN", "1 MN", "50 N")]
 
-Gap = Annotated[float, Quantity("length", "0 mm", "1 m", "0.5 mm")]
+Gap = Annotated[float, QuantityRange("length", "0 mm", "1 m", "0.5 mm")]
 
-Theta = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
+Theta = Annotated[float, QuantityRange("angle", "-15 deg", "15 deg", "2 deg")]
 
 
-class SharedErrorKeys(Table):
+class BallRadiusErrorKeys(SceneFileTable):
     """Manufacturing errors of the balls in a scene of a few balls: the oversize that all ball radii have."""
 
-    balls: OversizeKeys = key("errors of the ball radii", OversizeKeys(), {"oversize": "1.7 um"})
+    balls: BallOversizeKeys = key("errors of the ball radii", BallOversizeKeys(), {"oversize": "1.7 um"})
 
 
-class HertzKeys(Table):
+class HertzConstantKeys(SceneFileTable):
     """Choice of the Hertz constants of the contacts: exact ones, or those printed in Lin's Table B.1."""
 
     hertz: Literal["nominal", "as printed"] = key(
@@ -102,24 +102,24 @@ class HertzKeys(Table):
     )
 
     @property
-    def solver_mode(self) -> Mode:
+    def hertz_mode_of_solver(self) -> Mode:
         """Name of this choice of Hertz constants in the friction solvers: "right" or "as printed"."""
         return "right" if self.hertz == "nominal" else "as printed"
 
 
-class RubbingKeys(CoulombKeys):
+class BallFrictionKeys(CoulombFrictionKeys):
     """Coulomb friction between balls and grooves, and between neighbouring balls."""
 
     balls: Coefficient | None = key("coefficient between balls, if it is not that of the grooves", None)
 
 
-class SectionKeys(KindKeys):
+class EqualGrooveSceneKeys(FrictionSceneKeys):
     """Bearing or screw with the same groove radius on both parts, and balls of one size."""
 
     screw: GrooveKeys = key("groove of the screw, or of the inner ring", example={"conformity": 0.54})
     nut: GrooveKeys = key("groove of the nut, or of the outer ring, with the same radius", example={"conformity": 0.54})
-    errors: SharedErrorKeys = key("geometric errors", SharedErrorKeys(), {"balls": {"oversize": "1.7 um"}})
-    ingredients: HertzKeys = key("options of the low-order model", HertzKeys(), {"hertz": "nominal"})
+    errors: BallRadiusErrorKeys = key("geometric errors", BallRadiusErrorKeys(), {"balls": {"oversize": "1.7 um"}})
+    ingredients: HertzConstantKeys = key("options of the low-order model", HertzConstantKeys(), {"hertz": "nominal"})
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:
@@ -155,15 +155,15 @@ def groove_radius_faults(groove: GrooveKeys, balls: BallSizeKeys, table: str) ->
         yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {length_text(balls.radius)}", advice)
 
 
-class OneRingKeys(Protocol):
+class BearingOrScrewKeys(Protocol):
     """Keys of a bearing or screw that `groove_and_path_faults` checks: grooves, ball path, ball size and oversize."""
 
     screw: GrooveKeys
     nut: GrooveKeys
-    errors: SharedErrorKeys
+    errors: BallRadiusErrorKeys
 
     @property
-    def track(self) -> PathKeys:
+    def track(self) -> BallPathKeys:
         """Path of the ball centres."""
 
     @property
@@ -171,37 +171,37 @@ class OneRingKeys(Protocol):
         """Size of the balls."""
 
 
-def groove_and_path_faults(body: OneRingKeys, prefix: str = "", *, ring: bool) -> Iterator[Fault]:
+def groove_and_path_faults(keys: BearingOrScrewKeys, prefix: str = "", *, is_bearing: bool) -> Iterator[Fault]:
     """Yield the faults of the keys for grooves, ball path and ball oversize of a bearing or screw.
 
     Parameters
     ----------
-    body
+    keys
         Tables of the bearing or screw.
     prefix
         Prefix of the names of its tables, such as ``four_point.``.
-    ring
+    is_bearing
         Whether it is a bearing, whose lead must be zero; else the lead must be positive.
     """
-    track, radius = body.track, groove_radius_from_keys(body.screw, body.balls)
-    for name, groove in (("screw", body.screw), ("nut", body.nut)):
-        wrong = list(groove_radius_faults(groove, body.balls, prefix + name))
+    track, radius = keys.track, groove_radius_from_keys(keys.screw, keys.balls)
+    for name, groove in (("screw", keys.screw), ("nut", keys.nut)):
+        wrong = list(groove_radius_faults(groove, keys.balls, prefix + name))
         yield from wrong
         if wrong:
             return
-    if abs(groove_radius_from_keys(body.nut, body.balls) / radius - 1.0) > 1e-12:
+    if abs(groove_radius_from_keys(keys.nut, keys.balls) / radius - 1.0) > 1e-12:
         advice = "give both grooves the same radius, or describe the whole screw or bearing for different grooves"
         yield Fault(
             (f"{prefix}nut.groove_radius", f"{prefix}nut.conformity"), f"the screw's, {length_text(radius)}", advice
         )
-    if ring and track.lead != 0.0:
+    if is_bearing and track.lead != 0.0:
         yield Fault((f"{prefix}track.lead",), '"0 mm"', "write 0 mm; this kind describes bearing rings, which have no lead")
-    if not ring and track.lead == 0.0:
+    if not is_bearing and track.lead == 0.0:
         yield Fault((f"{prefix}track.lead",), "above 0 mm", "give the lead; this kind describes a ball screw")
     if track.pitch_radius <= radius:
         advice = "correct the radius; the pitch circle is larger than the groove radius"
         yield Fault((f"{prefix}track.pitch_radius",), f"above {length_text(radius)}", advice)
-    yield from displacement_faults(radius - body.balls.radius, body.errors.balls.oversize, f"{prefix}errors.balls.oversize")
+    yield from displacement_faults(radius - keys.balls.radius, keys.errors.balls.oversize, f"{prefix}errors.balls.oversize")
 
 
 def displacement_faults(limit: float, displacement: float, key_name: str) -> Iterator[Fault]:
@@ -224,7 +224,7 @@ def missing_hertz_constant_faults(groove: ScrewGroove, prefix: str = "") -> Iter
     """
     try:
         with np.errstate(invalid="ignore"):
-            if np.all(np.isfinite(groove.constants.C)):
+            if np.all(np.isfinite(groove.contact_hertz_constants.C)):
                 return
     except ValueError:
         pass

@@ -12,20 +12,20 @@ from pydantic import Field
 
 from rollbench.compare.scenes.fault import Fault, length_text
 from rollbench.compare.scenes.friction_kinds import common
-from rollbench.compare.scenes.friction_kinds.common import KindScene, first_scene_fields
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene, name_title_source_and_assumptions
 from rollbench.compare.scenes.key_checks import simulation_time_faults
-from rollbench.compare.scenes.keys import BallSizeKeys, HelixKeys, Table, key
+from rollbench.compare.scenes.keys import BallHelixKeys, BallSizeKeys, SceneFileTable, key
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import Pair, Run
 from rollbench.meshes.parts import Motion, Time
-from rollbench.meshes.ranges import Azimuth, IntegerRange, Quantity, Turns
+from rollbench.meshes.ranges import Azimuth, IntegerRange, QuantityRange, Turns
 from rollbench.meshes.record_keys import frozen_default
 
-Share = Annotated[float, Quantity("number", -1, 1, 1)]
+Share = Annotated[float, QuantityRange("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
-Part = Annotated[float, Quantity("number", 0, 1, 0.5)]
-Cycles = Annotated[float, Quantity("number", 0, 1000, 2)]
+Part = Annotated[float, QuantityRange("number", 0, 1, 0.5)]
+Cycles = Annotated[float, QuantityRange("number", 0, 1000, 2)]
 Direction = Literal["axial", "radial"]
 #: Largest number of balls times number of time steps, because the results of all steps are stored.
 MOST = 5_000_000
@@ -34,7 +34,7 @@ FREE_TRANSLATION: dict[Direction, str] = {"axial": "z", "radial": "r"}
 _PATTERN = "factors on the deviation for the contact angles at SL, SR, NL, NR (screw or nut, left or right)"
 
 
-class ScrewLoadKeys(Table):
+class ScrewLoadKeys(SceneFileTable):
     """Force on the screw, and the direction in which it acts and the screw can move; the nut is fixed."""
 
     force: common.AxialLoad = key("force on the screw")
@@ -43,13 +43,13 @@ class ScrewLoadKeys(Table):
     )
 
 
-class ScrewFrictionKeys(common.RubbingKeys):
+class ScrewFrictionKeys(common.BallFrictionKeys):
     """Coefficients of Coulomb friction at grooves and between balls, and the bodies that friction displaces."""
 
     coupling: Coupling = key("bodies that friction displaces: none, the balls, or balls and screw", "none", "ball")
 
 
-class ScrewAngleKeys(Table):
+class BallPairAngleKeys(SceneFileTable):
     """Deviations of the contact angles of two balls from the nominal contact angle."""
 
     deviations: Annotated[list[common.Theta], Field(min_length=2, max_length=2)] = key(
@@ -58,7 +58,7 @@ class ScrewAngleKeys(Table):
     pattern: Pattern = key(_PATTERN, [1, 1, 0, 0], [1, 1, 0, 0])
 
 
-class RunAngleKeys(Table):
+class AngleVariationKeys(SceneFileTable):
     """Deviation theta of the contact angles along the screw: theta = amplitude sin(cycles_per_turn azimuth + phase)."""
 
     amplitude: common.Theta = key("amplitude of the deviation theta")
@@ -70,14 +70,14 @@ class RunAngleKeys(Table):
     )
 
 
-class RunBallKeys(BallSizeKeys):
+class CircuitBallKeys(BallSizeKeys):
     """Balls of a closed ball circuit: size, number, and loaded turns."""
 
     count: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
     turns: Turns = key("loaded turns of the nut")
 
 
-class ClosedTrackKeys(Table):
+class BallReturnKeys(SceneFileTable):
     """Return of the balls in a closed circuit: length of the return tube, and position of the first ball."""
 
     return_tube: common.Gap = key("length of the return tube, in which balls carry no load", "0 mm", "5.6 mm")
@@ -85,7 +85,7 @@ class ClosedTrackKeys(Table):
 
 
 @dataclass(frozen=True)
-class RunTimeKeys(Time):
+class SimulationTimeKeys(Time):
     """Length and steps of a simulation over time, and number of iterations of loads and friction in each step."""
 
     rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
@@ -93,64 +93,64 @@ class RunTimeKeys(Time):
     )
 
 
-class ScrewBallKeys(common.SectionKeys):
+class BallScrewFrictionKeys(common.EqualGrooveSceneKeys):
     """Ball screw with load, motion and friction; only the speed of nut and screw relative to each other matters."""
 
-    track: HelixKeys = key("path of the ball centres")
+    track: BallHelixKeys = key("path of the ball centres")
     load: ScrewLoadKeys = key("force on the screw")
     motion: Motion = key("motion along the helix")
     friction: ScrewFrictionKeys = key("friction")
 
 
-class ScrewPairKeys(ScrewBallKeys):
+class ScrewPairKeys(BallScrewFrictionKeys):
     """Two neighbouring balls of a ball screw that touch each other."""
 
     kind: Literal["screw pair"] = key("what the scene describes", example="screw pair")
     balls: BallSizeKeys = key("the two balls")
-    angles: ScrewAngleKeys = key("contact angles")
+    angles: BallPairAngleKeys = key("contact angles")
 
 
-class ScrewRunKeys(ScrewBallKeys):
+class ScrewSimulationKeys(BallScrewFrictionKeys):
     """Whole ball screw that turns for some time."""
 
     kind: Literal["screw run"] = key("what the scene describes", example="screw run")
-    balls: RunBallKeys = key("balls of the closed track")
-    circulation: ClosedTrackKeys = key("return of the balls", ClosedTrackKeys(), {"return_tube": "5.6 mm"})
-    angles: RunAngleKeys = key("contact angles")
-    time: RunTimeKeys = key("simulation over time", example={"duration": "2 s"})
+    balls: CircuitBallKeys = key("balls of the closed track")
+    circulation: BallReturnKeys = key("return of the balls", BallReturnKeys(), {"return_tube": "5.6 mm"})
+    angles: AngleVariationKeys = key("contact angles")
+    time: SimulationTimeKeys = key("simulation over time", example={"duration": "2 s"})
 
 
 @dataclass(frozen=True)
-class ScrewPairScene(KindScene):
+class ScrewPairScene(FrictionScene):
     """Scene of two neighbouring balls of a ball screw that touch each other."""
 
     kind: ClassVar[str] = "screw pair"
-    pair: Pair
+    ball_pair: Pair
 
 
 @dataclass(frozen=True)
-class ScrewRunScene(KindScene):
+class ScrewSimulationScene(FrictionScene):
     """Scene of a whole ball screw that turns for some time."""
 
     kind: ClassVar[str] = "screw run"
-    run: Run
+    simulation: Run
     time: Time
 
 
 # --- faults of keys
 
 
-def ball_screw_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+def ball_screw_faults(keys: ScrewPairKeys | ScrewSimulationKeys) -> Iterator[Fault]:
     """Yield the faults of a scene file of ball-screw friction: contradictory keys, and geometry the models do not cover."""
     wrong = list(common.material_faults(keys.material))
-    wrong = wrong or list(common.groove_and_path_faults(keys, ring=False))
+    wrong = wrong or list(common.groove_and_path_faults(keys, is_bearing=False))
     wrong = wrong or list(_angle_and_load_faults(keys))
-    if not wrong and isinstance(keys, ScrewRunKeys):
+    if not wrong and isinstance(keys, ScrewSimulationKeys):
         wrong = list(_screw_simulation_faults(keys))
     yield from wrong
 
 
-def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault]:
+def _angle_and_load_faults(keys: ScrewPairKeys | ScrewSimulationKeys) -> Iterator[Fault]:
     """Yield the faults of the keys for contact angles, ball size, Hertz constants and load of the balls of a screw."""
     pair = isinstance(keys, ScrewPairKeys)
     where = "angles.deviations" if pair else "angles.amplitude"
@@ -171,7 +171,7 @@ def _angle_and_load_faults(keys: ScrewPairKeys | ScrewRunKeys) -> Iterator[Fault
         yield Fault(("load.force",), "not zero for balls without oversize", advice)
 
 
-def _screw_simulation_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
+def _screw_simulation_faults(keys: ScrewSimulationKeys) -> Iterator[Fault]:
     """Yield the faults of the keys for speed, number of balls and time steps of the simulation of a whole screw."""
     if keys.motion.speed == 0.0:
         advice = "let nut and screw turn relative to each other; friction torque is computed for a moving screw"
@@ -191,7 +191,7 @@ def _screw_simulation_faults(keys: ScrewRunKeys) -> Iterator[Fault]:
 # --- records
 
 
-def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
+def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewSimulationKeys) -> ScrewGroove:
     """Return grooves, balls, speeds and friction of a ball screw from the validated keys of its scene file."""
     track, f, motion = keys.track, keys.friction, keys.motion
     nut, screw = (motion.speed, 0.0) if motion.turns == "nut" else (0.0, motion.speed)
@@ -206,7 +206,7 @@ def _screw_groove_from_keys(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
         nut,
         screw,
         f.balls,
-        keys.ingredients.solver_mode,
+        keys.ingredients.hertz_mode_of_solver,
     )
 
 
@@ -223,10 +223,10 @@ def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
         (keys.load.force,),
         keys.friction.coupling,
     )
-    return ScrewPairScene(*first_scene_fields(keys, name), pair)
+    return ScrewPairScene(*name_title_source_and_assumptions(keys, name), pair)
 
 
-def screw_run_scene(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
+def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewSimulationScene:
     """Return the scene ``name`` of a ball screw simulated over time from the validated keys of its file."""
     groove, a = _screw_groove_from_keys(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
@@ -249,4 +249,4 @@ def screw_run_scene(keys: ScrewRunKeys, name: str) -> ScrewRunScene:
         keys.time.rounds,
         a.follows,
     )
-    return ScrewRunScene(*first_scene_fields(keys, name), run, time)
+    return ScrewSimulationScene(*name_title_source_and_assumptions(keys, name), run, time)

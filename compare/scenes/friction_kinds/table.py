@@ -15,22 +15,22 @@ from rollbench.compare.scenes.friction_kinds.bearings import (
     BearingPairKeys,
     BearingPairScene,
     Creep,
+    LinearBearingScene,
     LinearChainKeys,
     LinearPairKeys,
     LinearPairScene,
-    LinearScene,
     Speed,
 )
-from rollbench.compare.scenes.friction_kinds.common import KindScene, SceneKind, Theta
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene, FrictionSceneKind, Theta
 from rollbench.compare.scenes.friction_kinds.screw_balls import (
     FREE_TRANSLATION,
     ScrewPairKeys,
     ScrewPairScene,
-    ScrewRunKeys,
-    ScrewRunScene,
+    ScrewSimulationKeys,
+    ScrewSimulationScene,
 )
 from rollbench.compare.scenes.keys import schema_without_null
-from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
+from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.lowfi.friction.bearing import DIAGONAL, BearingCase
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
@@ -50,16 +50,16 @@ from rollbench.meshes.ranges import (
 from rollbench.meshes.scene_text import groove_table, keys_of_record, value_with_unit_text, without_empty_values
 
 TABLE = {
-    "bearing ball": SceneKind(BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_scene),
-    "bearing pair": SceneKind(BearingPairKeys, bearings.bearing_pair_faults, bearings.bearing_pair_scene),
-    "linear pair": SceneKind(LinearPairKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
-    "linear chain": SceneKind(LinearChainKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
-    "screw pair": SceneKind(ScrewPairKeys, screw_balls.ball_screw_faults, screw_balls.screw_pair_scene),
-    "screw run": SceneKind(ScrewRunKeys, screw_balls.ball_screw_faults, screw_balls.screw_run_scene),
+    "bearing ball": FrictionSceneKind(BearingBallKeys, bearings.bearing_ball_faults, bearings.bearing_ball_scene),
+    "bearing pair": FrictionSceneKind(BearingPairKeys, bearings.bearing_pair_faults, bearings.bearing_pair_scene),
+    "linear pair": FrictionSceneKind(LinearPairKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
+    "linear chain": FrictionSceneKind(LinearChainKeys, bearings.linear_bearing_faults, bearings.linear_bearing_scene),
+    "screw pair": FrictionSceneKind(ScrewPairKeys, screw_balls.ball_screw_faults, screw_balls.screw_pair_scene),
+    "screw run": FrictionSceneKind(ScrewSimulationKeys, screw_balls.ball_screw_faults, screw_balls.screw_run_scene),
 }
 
 
-def scene_kind_by_name(name: str) -> SceneKind:
+def scene_kind_by_name(name: str) -> FrictionSceneKind:
     """Return how the file of a friction scene of some kind is read: class of its keys, check, and conversion.
 
     ``name``: name of the kind, one of `duty_cycle.KINDS`.
@@ -80,7 +80,7 @@ def _schema_tag_of_kind(value: Any) -> str:
 
 def scene_json_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of scene files of all kinds, with description, unit and range of every key."""
-    by_tag = {"whole": SceneKeys} | {name: scene_kind_by_name(name).keys for name in KINDS} | {AXIS: AxisKeys}
+    by_tag = {"whole": SceneKeys} | {name: scene_kind_by_name(name).key_class for name in KINDS} | {AXIS: ShaftSceneKeys}
     every: Any = Annotated[
         Union[tuple(Annotated[of, Tag(name)] for name, of in by_tag.items())],  # noqa: UP007
         Discriminator(_schema_tag_of_kind),
@@ -95,7 +95,7 @@ def scene_json_schema() -> dict[str, Any]:
 Table = dict[str, Any]
 
 
-def friction_scene_tables(scene: KindScene) -> Table:
+def scene_file_tables_of_friction_scene(scene: FrictionScene) -> Table:
     """Return the keys and tables of the scene file of a scene for which only friction is computed."""
     head = without_empty_values(title=scene.title, source=scene.source, assumed=[*scene.assumed]) | {"kind": scene.kind}
     match scene:
@@ -103,15 +103,15 @@ def friction_scene_tables(scene: KindScene) -> Table:
             return head | _bearing_ball_tables(scene)
         case BearingPairScene():
             return head | _bearing_pair_tables(scene)
-        case LinearScene():
+        case LinearBearingScene():
             return head | _linear_bearing_tables(scene)
         case ScrewPairScene():
             angles = {
-                "deviations": [value_with_unit_text(Theta, x) for x in scene.pair.theta],
-                "pattern": [*scene.pair.pattern[0]],
+                "deviations": [value_with_unit_text(Theta, x) for x in scene.ball_pair.theta],
+                "pattern": [*scene.ball_pair.pattern[0]],
             }
-            return head | _shared_screw_tables(scene.pair.groove, scene.pair, angles)
-        case ScrewRunScene():
+            return head | _shared_screw_tables(scene.ball_pair.groove, scene.ball_pair, angles)
+        case ScrewSimulationScene():
             return head | _screw_run_tables(scene)
     raise AssertionError(scene.kind)
 
@@ -150,15 +150,17 @@ def _hertz_table(groove: ScrewGroove) -> Table:
 def _bearing_ball_tables(scene: BearingBallScene) -> Table:
     """Return the tables of the scene file of one bearing ball."""
     b = scene.bearing
-    creep = value_with_unit_text(Creep, scene.creep) if scene.creep else None
-    law = without_empty_values(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
+    creep = value_with_unit_text(Creep, scene.regularisation_speed) if scene.regularisation_speed else None
+    law = without_empty_values(
+        law=scene.friction_law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.friction_table_step
+    )
     return {
         "material": _material_table(b.young, b.poisson),
         **_track_and_groove_tables(b, 0.0 - b.clearance),
         **_hertz_table(b),
         "load": {
-            "axial_force": value_with_unit_text(Force, scene.force),
-            "radial_displacement": value_with_unit_text(Deviation, scene.displacement),
+            "axial_force": value_with_unit_text(Force, scene.axial_force),
+            "radial_displacement": value_with_unit_text(Deviation, scene.radial_displacement),
         },
         "motion": {"speed": value_with_unit_text(Turning, b.screw_speed)},
         "friction": {"coefficient": b.mu, **law},
@@ -174,7 +176,7 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
     rows = {"distance": value_with_unit_text(Size, second.place - first.place), "arrangement": arrangement}
     load = {
         "force": value_with_unit_text(Force, four.force),
-        "angles": [value_with_unit_text(ContactAngle, float(x)) for x in scene.angle],
+        "angles": [value_with_unit_text(ContactAngle, float(x)) for x in scene.force_angles],
     }
     return {
         "material": _material_table(groove.young, groove.poisson),
@@ -193,10 +195,10 @@ def _tables_of_one_bearing(case: BearingCase) -> Table:
     return bodies | {"balls": bodies["balls"] | {"count": case.count}}
 
 
-def _linear_bearing_tables(scene: LinearScene) -> Table:
+def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
     """Return the tables of the scene file of balls in a linear bearing."""
     b = scene.bearing
-    load = {"vertical_force": value_with_unit_text(Force, scene.vertical), "distribution": scene.distribution}
+    load = {"vertical_force": value_with_unit_text(Force, scene.vertical_force), "distribution": scene.load_distribution}
     table = {
         "material": _material_table(b.young, b.poisson),
         "track": {"contact_angle": value_with_unit_text(ContactAngle, b.contact_angle)},
@@ -206,12 +208,12 @@ def _linear_bearing_tables(scene: LinearScene) -> Table:
         "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
     }
     if isinstance(scene, LinearPairScene):
-        mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.deviation), mated=True)
+        mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.angle_deviation), mated=True)
         angles = {
-            "deviation": value_with_unit_text(Theta, scene.deviation),
-            "mated": bool(np.array_equal(mated, scene.angles)),
+            "deviation": value_with_unit_text(Theta, scene.angle_deviation),
+            "mated": bool(np.array_equal(mated, scene.contact_angles)),
         }
-        return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side[0])}}
+        return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side_force_ratios[0])}}
     chain = [
         {
             "side_force_ratio": float(side),
@@ -220,7 +222,7 @@ def _linear_bearing_tables(scene: LinearScene) -> Table:
             ],
             "gap": value_with_unit_text(Clearance, float(gap)),
         }
-        for side, row, gap in zip(scene.side, scene.angles, [*scene.gap, 0.0], strict=True)
+        for side, row, gap in zip(scene.side_force_ratios, scene.contact_angles, [*scene.ball_gaps, 0.0], strict=True)
     ]
     return table | {"load": load, "chain": chain}
 
@@ -249,9 +251,9 @@ def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -
     }
 
 
-def _screw_run_tables(scene: ScrewRunScene) -> Table:
+def _screw_run_tables(scene: ScrewSimulationScene) -> Table:
     """Return the tables of the scene file for a transient simulation of a whole ball screw."""
-    run = scene.run
+    run = scene.simulation
     angles: Table = {"amplitude": value_with_unit_text(Theta, run.amplitude), "cycles_per_turn": run.cycles}
     angles |= {"phase": value_with_unit_text(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}
     table, radius = _shared_screw_tables(run.groove, run, angles), run.groove.radius

@@ -15,17 +15,17 @@ import numpy as np
 from rollbench.compare import __version__
 from rollbench.compare.errors import InputError
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array, Index
-from rollbench.meshes.ball_body import contact_frame_vectors, parting_plane_normal
-from rollbench.meshes.errors import Specimen, draw_specimen
-from rollbench.meshes.exchange.deck import ContactPair, Deck, DeckBody, RigidSection, surface_faces
+from rollbench.meshes.ball_body import contact_frame_vectors, normal_between_hemispheres
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
+from rollbench.meshes.exchange.deck import ContactPair, DeckBody, InputDeck, RigidSection, surface_faces
 from rollbench.meshes.exchange.whole_bodies import (
-    BodyMeshForExport,
-    Refinement,
+    ElementSizesNearPoints,
+    ExportedBodyMesh,
     grid_points_in_ellipse,
     mesh_half_ball,
     mesh_half_ring,
@@ -35,11 +35,11 @@ from rollbench.meshes.exchange.whole_bodies import (
     points_on_ball_surface,
     points_on_groove,
 )
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import BallLayout, ball_layout, lead_angle, nominal_groove_centres, nominal_groove_radii
 from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
-from rollbench.meshes.sockets import SocketSize, local_coordinates_in_socket
+from rollbench.meshes.sockets import RefinementBoxSize, local_coordinates_in_refinement_box
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
 #: Semi-axes over those of the expected contact ellipse: of the refined zone (a factor), and of the zones of contact faces
@@ -59,9 +59,9 @@ class ExpectedContact:
     #: Number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and right).
     side: int
     #: Azimuth [rad] and axial position [m] of the ball's centre, and the number of the flank.
-    at: tuple[float, float, int]
+    ball_position_and_flank: tuple[float, float, int]
     #: Semi-axes of the contact ellipse across and along the groove [m].
-    half: tuple[float, float]
+    semi_axes: tuple[float, float]
 
 
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
@@ -118,7 +118,7 @@ def _semi_axes_of_contact_zone(
     ``contact``: expected contact; ``element_size``: element size there [m]; ``semi_axes``: factor on the semi-axes of
     the contact ellipse, and number of element sizes that are then added to each.
     """
-    across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.half)
+    across, along = (semi_axes[0] * x + semi_axes[1] * element_size for x in contact.semi_axes)
     return across, along
 
 
@@ -127,19 +127,24 @@ def refined_zone_points(contact: ExpectedContact, element_size: float) -> Array:
 
     ``contact``: expected contact; ``element_size``: element size in the zone [m]; k: number of points.
     """
-    return grid_points_in_ellipse((FINE * contact.half[0], FINE * contact.half[1]), 0.7 * element_size)
+    return grid_points_in_ellipse((FINE * contact.semi_axes[0], FINE * contact.semi_axes[1]), 0.7 * element_size)
 
 
-def flank_contact_faces(groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, element_size: float) -> Index:
+def flank_contact_faces(groove: GrooveMap, mesh: ExportedBodyMesh, contact: ExpectedContact, element_size: float) -> Index:
     """Return the mesh faces of a groove's flank that may touch the ball (master faces), each by its node numbers.
 
     ``groove``: geometry of the groove; ``mesh``: mesh of screw or nut; ``contact``: expected contact; ``element_size``:
     element size there [m].
     """
-    flank = mesh.named[f"flank {SIDES[contact.side]}"]
+    flank = mesh.nodes_of_boundaries[f"flank {SIDES[contact.side]}"]
     x, radius = mesh.points[flank], float(groove.radius[contact.side])
-    xi = local_coordinates_in_socket(
-        groove, SocketSize(1.0, radius, 1.0), contact.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+    xi = local_coordinates_in_refinement_box(
+        groove,
+        RefinementBoxSize(1.0, radius, 1.0),
+        contact.ball_position_and_flank,
+        np.arctan2(x[:, 1], x[:, 0]),
+        x[:, 2],
+        np.hypot(x[:, 0], x[:, 1]),
     )
     half = _semi_axes_of_contact_zone(contact, element_size, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (groove.R * xi[:, 2] / half[1]) ** 2 <= 1.0
@@ -147,7 +152,7 @@ def flank_contact_faces(groove: GrooveMap, mesh: BodyMeshForExport, contact: Exp
 
 
 def ball_contact_faces(
-    groove: GrooveMap, mesh: BodyMeshForExport, contact: ExpectedContact, radius: float, element_size: float
+    groove: GrooveMap, mesh: ExportedBodyMesh, contact: ExpectedContact, radius: float, element_size: float
 ) -> Index:
     """Return the mesh faces of a ball that may touch the groove (slave faces), each by its node numbers.
 
@@ -157,7 +162,7 @@ def ball_contact_faces(
     """
     (n, t1, t2), sphere, half = (
         contact_frame_vectors(groove, contact.side),
-        mesh.named["sphere"],
+        mesh.nodes_of_boundaries["sphere"],
         _semi_axes_of_contact_zone(contact, element_size, SLAVE),
     )
     x = mesh.points[sphere]
@@ -167,14 +172,14 @@ def ball_contact_faces(
     return _outer_faces_with_corners(mesh, sphere[inside])
 
 
-def _outer_faces_with_corners(mesh: BodyMeshForExport, nodes: Index) -> Index:
+def _outer_faces_with_corners(mesh: ExportedBodyMesh, nodes: Index) -> Index:
     """Return the outer mesh faces whose corner nodes are all among the given nodes, each by its node numbers.
 
     Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no
     face remains.
     """
     faces = surface_faces(mesh.cells)
-    within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.named.get("cut", [])).all(axis=1)]
+    within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.nodes_of_boundaries.get("cut", [])).all(axis=1)]
     if not len(within):
         raise ValueError(
             "no face of the mesh lies within an expected contact, because the elements are too large: raise `b_over_h`, "
@@ -228,13 +233,13 @@ class MeshedDeck:
     """Input deck for CalculiX, with the expected contact loads and the quality of its meshes."""
 
     #: The deck.
-    deck: Deck
+    deck: InputDeck
     #: Contact loads by the low-order model "refined", (n, 4) [N], for n balls and the flanks SL, SR, NL, NR.
-    expected: Array
+    expected_loads: Array
     #: Element size at the contacts [m].
-    fine: float
+    contact_element_size: float
     #: Smallest scaled Jacobian of the elements of each body, by name of the body.
-    quality: dict[str, float]
+    smallest_jacobians: dict[str, float]
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
@@ -276,16 +281,18 @@ def _refuse_unsupported_scene(scene: Scene, half: bool) -> None:
     raise_first_fault(scene.name, faults)
 
 
-def geometric_errors_for_deck(scene: Scene) -> Specimen:
+def geometric_errors_for_deck(scene: Scene) -> GeometryWithErrors:
     """Return the geometric errors of a scene if a deck can describe all of them; raise InputError otherwise.
 
     A deck can describe errors of ball radii and of groove radii, which are meshed as real geometry.
     """
-    drawn = draw_specimen(scene, ball_layout(scene))
-    moved = bool(np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any())
-    uneven = bool(drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3])
+    drawn = draw_geometry_with_errors(scene, ball_layout(scene))
+    moved = bool(
+        np.abs(drawn.groove_centres - nominal_groove_centres(scene)).max() > 0.0 or drawn.groove_centre_derivatives.any()
+    )
+    uneven = bool(drawn.groove_radii[0] != drawn.groove_radii[1] or drawn.groove_radii[2] != drawn.groove_radii[3])
     faults = (
-        (drawn.profile.size > 0, "errors.*.profile", "a profile of varying shape"),
+        (drawn.profile_coefficients.size > 0, "errors.*.profile", "a profile of varying shape"),
         (moved, "errors.*.pitch, roundness", "a displaced groove"),
         (uneven, "errors.*.profile", "grooves of two radii"),
     )
@@ -294,15 +301,15 @@ def geometric_errors_for_deck(scene: Scene) -> Specimen:
     return drawn
 
 
-def groove_with_real_radius(groove: GrooveMap, errors: Specimen, scene: Scene, screw: bool) -> GrooveMap:
+def groove_with_real_radius(groove: GrooveMap, errors: GeometryWithErrors, scene: Scene, screw: bool) -> GrooveMap:
     """Return the geometry of a groove whose radius includes its geometric error.
 
     ``groove``: nominal geometry; ``errors``: geometric errors of the scene; ``screw``: whether it is the groove of the
     screw, else of the nut. The centres of the groove's arcs stay; the groove radius, and the radius of a ball that would
     fit, change by the same amount.
     """
-    change = errors.radius - nominal_groove_radii(scene)
-    return replace(groove, radius=errors.radius, ball=groove.ball + float(change[0 if screw else 2]))
+    change = errors.groove_radii - nominal_groove_radii(scene)
+    return replace(groove, radius=errors.groove_radii, ball=groove.ball + float(change[0 if screw else 2]))
 
 
 def solve_expected_loads(scene: Scene) -> StaticResult:
@@ -310,7 +317,7 @@ def solve_expected_loads(scene: Scene) -> StaticResult:
 
     Raises InputError if the scene has no equilibrium or no contact carries load.
     """
-    found = run_model(scene, "refined", Options(discretisation=False))
+    found = run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False))
     allowed = "a scene with loaded contacts that the model refined solves"
     advice = "load or preload the scene: meshes are refined where that model finds contacts"
     idle = not found.converged or not (found.load > 0.0).any()
@@ -342,7 +349,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     options = options or DeckOptions()
     _refuse_unsupported_scene(scene, options.half)
     drawn, found, sides = geometric_errors_for_deck(scene), solve_expected_loads(scene), flanks_to_mesh(scene)
-    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    m, layout = GrooveMap.from_scene(scene), ball_layout(scene)
     places, short = expected_contacts(scene, found.load, sides)
     fine = short / options.b_over_h
     try:
@@ -359,7 +366,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     smaller = "lower `b_over_h`, raise `growth`, or cut the screw by `balls`"
     raise_first_fault(scene.name, [(count > MOST_NODES, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes", smaller)])
     contacts = tuple(ContactPair(ball_face_name(p), groove_face_name(p)) for p in places)
-    deck = Deck(
+    deck = InputDeck(
         bodies,
         _rigid_sections_of_screw(scene, dims),
         ("NUT_HELD",),
@@ -374,20 +381,22 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> MeshedDeck:
     return MeshedDeck(deck, found.load, fine, quality)
 
 
-def _deck_refinement(points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions) -> Refinement:
+def _deck_refinement(
+    points: list[Array], finest_size: float, coarsest_size: float, options: DeckOptions
+) -> ElementSizesNearPoints:
     """Return the element sizes in the mesh of a body, which grow with the distance from its contacts.
 
     ``points``: for each contact the points (k, 3) in its zone of small elements [m]; ``finest_size``: element size
     there [m]; ``coarsest_size``: largest element size [m]; ``options``: options of the deck with the growth of the
     element size.
     """
-    return Refinement(np.concatenate(points), finest_size, options.growth, max(coarsest_size, finest_size))
+    return ElementSizesNearPoints(np.concatenate(points), finest_size, options.growth, max(coarsest_size, finest_size))
 
 
 def _mesh_screw_and_nut(
     scene: Scene,
     dims: Dimensions,
-    errors: Specimen,
+    errors: GeometryWithErrors,
     groove_map: GrooveMap,
     contacts: list[ExpectedContact],
     element_size: float,
@@ -399,9 +408,9 @@ def _mesh_screw_and_nut(
     ``groove_map``: nominal geometry of the grooves; ``contacts``: expected contacts; ``element_size``: element size at
     the contacts [m].
     """
-    low, high = dims.ends(scene)
+    low, high = dims.ends_of_meshed_screw(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
-    unused = SocketSize(1.0, groove_map.ball, 1.0)
+    unused = RefinementBoxSize(1.0, groove_map.ball, 1.0)
     bodies = []
     for name, part, ends, radii in (
         ("SCREW", scene.screw, (low, high), (dims.hole, scene.screw.outer_diameter / 2.0)),
@@ -410,30 +419,30 @@ def _mesh_screw_and_nut(
         screw = name == "SCREW"
         on_body = [p for p in contacts if (p.side < 2) == screw]
         groove = groove_with_real_radius(groove_map, errors, scene, screw)
-        near = [points_on_groove(groove, p.at, refined_zone_points(p, element_size)) for p in on_body]
+        near = [points_on_groove(groove, p.ball_position_and_flank, refined_zone_points(p, element_size)) for p in on_body]
         size = _deck_refinement(near, element_size, FAR_SIZES[0] * options.growth * groove_map.ball, options)
         flange = None if screw else scene.nut.flange
-        spec = BodySpec(*radii, *ends, screw, (), unused, element_size, size.coarse, flange=flange)
+        spec = GroovedBodySpec(*radii, *ends, screw, (), unused, element_size, size.largest_edge_length, flange=flange)
         mesh = (mesh_half_ring if options.half else mesh_whole_body)(groove, spec, size)
         faces = {groove_face_name(p): flank_contact_faces(groove, mesh, p, element_size) for p in on_body}
         if screw:
             held = (
-                {"SCREW_BORE": mesh.named["bore"]}
+                {"SCREW_BORE": mesh.nodes_of_boundaries["bore"]}
                 if dims.screw_held == "bore"
-                else {"SCREW_LOW": mesh.named["low end"], "SCREW_HIGH": mesh.named["high end"]}
+                else {"SCREW_LOW": mesh.nodes_of_boundaries["low end"], "SCREW_HIGH": mesh.nodes_of_boundaries["high end"]}
             )
         else:
-            held = {"NUT_HELD": np.unique(np.concatenate([mesh.named[x] for x in HELD[dims.nut_held]]))}
+            held = {"NUT_HELD": np.unique(np.concatenate([mesh.nodes_of_boundaries[x] for x in HELD[dims.nut_held]]))}
         if options.half:  # nodes that are held or move with a rigid section stay in the plane by that
-            held[f"{name}_CUT"] = np.setdiff1d(mesh.named["cut"], np.concatenate(list(held.values())))
+            held[f"{name}_CUT"] = np.setdiff1d(mesh.nodes_of_boundaries["cut"], np.concatenate(list(held.values())))
         body = DeckBody(name, mesh.points, mesh.cells, part.material, held, faces)
-        bodies.append((body, mesh.quality.smallest))
+        bodies.append((body, mesh.quality.smallest_jacobian))
     return bodies
 
 
 def _mesh_balls(
     scene: Scene,
-    errors: Specimen,
+    errors: GeometryWithErrors,
     groove: GrooveMap,
     layout: BallLayout,
     contacts: list[ExpectedContact],
@@ -445,13 +454,13 @@ def _mesh_balls(
     ``errors``: geometric errors; ``groove``: nominal geometry of the grooves; ``layout``: positions of the balls;
     ``contacts``: expected contacts; ``element_size``: element size at the contacts [m].
     """
-    bodies, meshed, shared = [], dict[tuple[float, float], BodyMeshForExport](), options.half or options.alike
-    for i, radius in enumerate(errors.ball_radius.tolist()):
+    bodies, meshed, shared = [], dict[tuple[float, float], ExportedBodyMesh](), options.half or options.alike
+    for i, radius in enumerate(errors.ball_radii.tolist()):
         on_ball, side = [p for p in contacts if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
         kind = radius, side * options.half
         mesh = meshed.get(kind)
         if mesh is None:
-            near = [p for p in contacts if errors.ball_radius[p.ball] == radius] if shared else on_ball
+            near = [p for p in contacts if errors.ball_radii[p.ball] == radius] if shared else on_ball
             zones = [points_on_ball_surface(groove, p.side, radius, refined_zone_points(p, element_size)) for p in near]
             size = _deck_refinement(zones, element_size, FAR_SIZES[1] * options.growth * groove.ball, options)
             mesh = mesh_half_ball(radius, size, side) if options.half else mesh_whole_ball(groove, radius, size)
@@ -461,9 +470,9 @@ def _mesh_balls(
         name = f"BALL{i + 1}"
         points = move_to_ball_position(groove, (float(layout.azimuth[i]), float(layout.z[i])), mesh.points)
         axes = (
-            [parting_plane_normal(groove)]
+            [normal_between_hemispheres(groove)]
             if options.half
-            else [parting_plane_normal(groove), contact_frame_vectors(groove, 0)[2]]
+            else [normal_between_hemispheres(groove), contact_frame_vectors(groove, 0)[2]]
         )
         poles = np.argmax(mesh.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
         pairs = poles.reshape(-1, 2)
@@ -471,9 +480,9 @@ def _mesh_balls(
         weak = poles[:1]
         nodes = {f"{name}_WEAK": weak}
         if options.half:
-            nodes[f"{name}_CUT"] = mesh.named["cut"]
+            nodes[f"{name}_CUT"] = mesh.nodes_of_boundaries["cut"]
         body = DeckBody(name, points, mesh.cells, scene.balls.material, nodes, faces, weak, alike)
-        bodies.append((body, mesh.quality.smallest))
+        bodies.append((body, mesh.quality.smallest_jacobian))
     return bodies
 
 
@@ -514,7 +523,7 @@ def _rigid_sections_of_screw(scene: Scene, dims: Dimensions) -> tuple[RigidSecti
         ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
         allowed = "supports and loads at one axial position"
     else:
-        low, high = dims.ends(scene)
+        low, high = dims.ends_of_meshed_screw(scene)
         ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
         allowed = f"the ends of the piece of the screw in 3D, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
     advice = "cut the screw (`balls=3:5`), or set solid.shaft to these positions: a deck has no beams"

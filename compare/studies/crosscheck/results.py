@@ -39,7 +39,7 @@ from rollbench.compare.measure import error_percent
 from rollbench.compare.reference.estimate import Reference
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Cell, Quantity
+from rollbench.reports.content import Cell, TableColumn
 
 T = TypeVar("T")
 
@@ -122,7 +122,7 @@ class CalculixRunsOfScene:
     runs: tuple[CalculixRun, ...]
 
 
-def shipped_results() -> Path:
+def shipped_results_folder() -> Path:
     """Return the folder of the stored CalculiX results that are part of the package."""
     return Path(__file__).parent
 
@@ -135,7 +135,7 @@ def path_of_stored_results(folder: Path, scene: str) -> Path:
     return folder / f"{scene}.json"
 
 
-def save_results(folder: Path, data: CalculixRunsOfScene) -> Path:
+def save_calculix_results(folder: Path, data: CalculixRunsOfScene) -> Path:
     """Write the CalculiX results of a scene to a folder; return the path of the file.
 
     The file is written completely or not at all. Raises InputError if that fails.
@@ -148,7 +148,7 @@ def save_results(folder: Path, data: CalculixRunsOfScene) -> Path:
     return path
 
 
-def load_results(folder: Path, scene: str) -> CalculixRunsOfScene | None:
+def load_calculix_results(folder: Path, scene: str) -> CalculixRunsOfScene | None:
     """Return the stored CalculiX results of a scene from a folder; None if there is no file.
 
     Raises InputError for a damaged file.
@@ -203,7 +203,7 @@ COVERED, LEAST = 2.0, 0.1
 
 
 @dataclass(frozen=True)
-class Extrapolation:
+class LoadExtrapolation:
     """Contact loads by CalculiX, extrapolated to zero element size and rigid contact."""
 
     #: Extrapolated contact loads, (n, 4) [N].
@@ -211,17 +211,17 @@ class Extrapolation:
     #: Uncertainty of these loads, (n, 4) [N].
     uncertainty: Array
     #: Order p of the elements' error.
-    order: float
+    error_order: float
     #: Length lambda over which the field changes, over the minor semi-axis.
-    length: float
+    field_length: float
     #: RMS of the weighted residuals of the fit [N]; weights are 1 on the finest mesh.
     misfit: float
     #: Effect of the finite element size in the run nearest to the limit, (n, 4) [N].
-    by_elements: Array
+    element_size_effect: Array
     #: Effect of the contact stiffness in that run, (n, 4) [N].
-    by_stiffness: Array
+    contact_stiffness_effect: Array
     #: Names of mesh sizes and contact options that no run varies.
-    fixed: tuple[str, ...]
+    unvaried_options: tuple[str, ...]
 
 
 def element_error(size: Array, growth: Array, order: float) -> Array:
@@ -274,7 +274,7 @@ def mesh_options_of_run(run: CalculixRun) -> tuple[float, float, bool, bool]:
     return run.b_over_h, run.growth, run.half, run.alike
 
 
-def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
+def extrapolate_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation:
     """Extrapolate the contact loads of CalculiX to zero element size and rigid contact, from runs with small displacements.
 
     The loads are fitted with many pairs of an order p of the elements' error and a length over which the contact's
@@ -329,19 +329,21 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> Extrapolation:
     free = max(1, len(loads) - 2)
     enough = np.hypot(best.residual, COVERED * np.maximum(best.residual, best.misfit) / np.sqrt(free))
     enough = enough + EXACT * float(np.abs(loads).max())
-    change = np.abs(np.stack([f.limit for f in fits]) - best.limit)
+    change = np.abs(np.stack([f.limit_load for f in fits]) - best.limit_load)
     spread = np.where(np.stack([f.residual for f in fits]) <= enough, change, 0.0).max(axis=0)
-    near = int(np.argmin(np.abs(best.elements).sum(axis=1)))
+    near = int(np.argmin(np.abs(best.element_size_effect).sum(axis=1)))
     stiff = max(r.stiffness for r in list(groups.values())[near])
     shape = linear[0].load.shape
     varied = (("element size", h), ("growth", g), ("contact stiffness", law))
-    return Extrapolation(
-        best.limit.reshape(shape),
-        np.sqrt(spread**2 + (COVERED * best.error) ** 2 + (LEAST * best.elements[near]) ** 2).reshape(shape),
+    return LoadExtrapolation(
+        best.limit_load.reshape(shape),
+        np.sqrt(spread**2 + (COVERED * best.standard_error) ** 2 + (LEAST * best.element_size_effect[near]) ** 2).reshape(
+            shape
+        ),
         best.order,
         best.length,
         best.misfit,
-        best.elements[near].reshape(shape),
+        best.element_size_effect[near].reshape(shape),
         (law / stiff).reshape(shape),
         tuple(name for name, x in varied if np.ptp(x) == 0.0),
     )
@@ -377,11 +379,11 @@ class _LoadFit:
     #: RMS of the weighted residuals of each contact, (c,) [N].
     residual: Array
     #: Loads in the limit of zero element size, (c,) [N].
-    limit: Array
+    limit_load: Array
     #: Standard errors of these loads, (c,) [N].
-    error: Array
+    standard_error: Array
     #: Effects of the finite element size, (m, c) [N].
-    elements: Array
+    element_size_effect: Array
 
 
 def _fit_loads_over_element_error(
@@ -411,15 +413,15 @@ def _fit_loads_over_element_error(
 TARGET = 0.5
 
 #: Columns that name a contact.
-PLACE = (Quantity("ball", "ball", "", "s"), Quantity("side", "side", "", "s"))
+PLACE = (TableColumn("ball", "ball", "", "s"), TableColumn("side", "side", "", "s"))
 
 #: Columns that compare a contact's load: finest level of the 3D reference, and extrapolated load of CalculiX.
 COMPARED = (
-    Quantity("ours", "reference", "N", ".2f"),
-    Quantity("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
-    Quantity("theirs", "CalculiX", "N", ".2f"),
-    Quantity("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
-    Quantity("difference", "difference", "% of mean", "+.2f"),
+    TableColumn("ours", "reference", "N", ".2f"),
+    TableColumn("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+    TableColumn("theirs", "CalculiX", "N", ".2f"),
+    TableColumn("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
+    TableColumn("difference", "difference", "% of mean", "+.2f"),
 )
 
 COLUMNS = (*PLACE, *COMPARED)
@@ -473,7 +475,7 @@ def deck_label(run: CalculixRun) -> str:
 
 
 def compare_contact_loads(
-    data: CalculixRunsOfScene, reference: Reference, extrapolation: Extrapolation | None = None
+    data: CalculixRunsOfScene, reference: Reference, extrapolation: LoadExtrapolation | None = None
 ) -> list[ContactLoadComparison]:
     """Compare 3D reference and CalculiX at each contact that carries load in one of them; return one row for each contact.
 
@@ -502,16 +504,16 @@ def compare_contact_loads(
     return rows
 
 
-def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[Quantity]:
+def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> list[TableColumn]:
     """Return the columns of the table of contact loads: the contact, then its load on every mesh of both programs.
 
     ``data``: solutions by CalculiX; ``reference``: the 3D reference with its solutions on several mesh levels.
     """
     return [
         *PLACE,
-        *(Quantity(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in reference.runs),
+        *(TableColumn(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in reference.runs),
         *(
-            Quantity(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f")
+            TableColumn(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f")
             for r in runs_with_common_contact_stiffness(data)
         ),
     ]

@@ -35,15 +35,15 @@ from rollbench.compare.studies.crosscheck.results import (
     CalculixRun,
     CalculixRunsOfScene,
     extrapolate_loads,
-    load_results,
+    load_calculix_results,
     read_object_from_json,
-    shipped_results,
+    shipped_results_folder,
 )
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.hifi.linear_algebra import factorise_positive_definite
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.exchange.deck import UNITS, Deck, DeckBody, RigidSection, deck_text
+from rollbench.meshes.exchange.deck import UNITS, DeckBody, InputDeck, RigidSection, deck_text
 from rollbench.meshes.fem import build_mesh
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.libraries import installed_version
@@ -66,7 +66,7 @@ class CalculixResult:
     #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
     #: Displacements of the printed nodes, by node set and node, in the unit of the deck.
-    moved: dict[str, dict[int, Triple]]
+    node_displacements: dict[str, dict[int, Triple]]
     #: Number of iterations.
     iterations: int
     #: Last correction of the displacements over the largest displacement [%].
@@ -88,7 +88,7 @@ def find_ccx() -> str:
     return found
 
 
-def ccx_version(program: str) -> str:
+def installed_calculix_version(program: str) -> str:
     """Return the version that the program CalculiX reports, or "unknown".
 
     ``program``: path of the program.
@@ -152,7 +152,7 @@ def _solve_deck(program: str, text: str, folder: Path) -> dict[str, Any]:
     seconds = after.children_user + after.children_system - before.children_user - before.children_system
     today = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
     elapsed = after.elapsed - before.elapsed  # where children are not accounted for (Windows); of one thread, too
-    return {"seconds": seconds or elapsed, "date": today, "version": ccx_version(program)}
+    return {"seconds": seconds or elapsed, "date": today, "version": installed_calculix_version(program)}
 
 
 def read_forces_and_displacements(text: str) -> tuple[dict[str, Triple], dict[str, dict[int, Triple]]]:
@@ -253,7 +253,7 @@ def solve_decks_of_scene(
             continue
         try:
             outcome = solve_deck_or_read_result(text, deck_folder / scene.name / deck_folder_name(options))
-            runs.append(run_record(meshed, options, deck_digest(text), outcome))
+            runs.append(calculix_run_record(meshed, options, deck_digest(text), outcome))
         except ValueError as error:
             raise InputError(
                 scene.name,
@@ -271,7 +271,7 @@ def solve_decks_of_scene(
     )
 
 
-def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
+def calculix_run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
     """Return the record of a CalculiX solution in the form in which it is stored.
 
     ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results
@@ -279,25 +279,28 @@ def run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: Cal
     """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
-    count = len(meshed.expected)
+    count = len(meshed.expected_loads)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
-    for contact in meshed.deck.contacts:
-        if contact.slave not in forces:
+    for contact in meshed.deck.contact_pairs:
+        if contact.slave_surface not in forces:
             raise ValueError(
-                f"CalculiX printed no contact force for the faces {contact.slave}: every contact of the deck needs one"
+                f"CalculiX printed no contact force for the faces {contact.slave_surface}: every contact of the deck "
+                "needs one"
             )
-        ball, side = contact.slave.removeprefix("BALL").split("_")
-        load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[contact.slave])
-        resultant[int(ball) - 1] += forces[contact.slave]
+        ball, side = contact.slave_surface.removeprefix("BALL").split("_")
+        load[int(ball) - 1, SIDES.index(side)] = np.linalg.norm(forces[contact.slave_surface])
+        resultant[int(ball) - 1] += forces[contact.slave_surface]
     spring = options.spring * UNITS[UNIT].length
-    weak = [list(outcome.moved[f"BALL{i + 1}_WEAK"].values()) for i in range(count)]
+    weak = [list(outcome.node_displacements[f"BALL{i + 1}_WEAK"].values()) for i in range(count)]
     held = np.array([mirror * spring * np.sum(nodes, axis=0) for nodes in weak])
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
     return CalculixRun(
         **vars(options),
-        fine=meshed.fine,
+        fine=meshed.contact_element_size,
         deck=deck,
-        meshes=tuple(BodyMesh(b.name, len(b.points), len(b.cells), meshed.quality[b.name]) for b in meshed.deck.bodies),
+        meshes=tuple(
+            BodyMesh(b.name, len(b.points), len(b.cells), meshed.smallest_jacobians[b.name]) for b in meshed.deck.bodies
+        ),
         load=load,
         weak=float(np.linalg.norm(held, axis=1).max()),
         unbalanced=float(loose.max()),
@@ -312,7 +315,7 @@ def extrapolated_results() -> tuple[str, dict[str, Array]]:
     The loads are in a dictionary by the name of the scene, with the flanks in the order SL, SR, NL, NR. Scenes whose
     content has changed since they were solved are left out.
     """
-    stored = {name: load_results(shipped_results(), name) for name in STUDIES}
+    stored = {name: load_calculix_results(shipped_results_folder(), name) for name in STUDIES}
     kept = {name: d for name, d in stored.items() if d is not None and d.key == digest_of_shipped_scene(name)}
     return "CalculiX", {name: extrapolate_loads(d.runs).load for name, d in kept.items()}
 
@@ -371,7 +374,7 @@ class NutComplianceComparison:
         )
 
 
-def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck], Array]:
+def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[InputDeck], Array]:
     """Return one CalculiX deck of the nut for each of k contacts, loaded at this contact only, then the normals (k, 3).
 
     ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
@@ -380,15 +383,15 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck]
     nut = next(b for b in whole.bodies if b.name == "NUT")
     layout = ball_layout(scene)
     names, centres, normals = [], [], []
-    for name, corners in nut.faces.items():
+    for name, corners in nut.face_sets.items():
         ball, middle = int(name.rsplit("_", 1)[1]) - 1, nut.points[np.unique(corners)].mean(axis=0)
         phi = float(layout.azimuth[ball])
         away = middle - [*(scene.track.pitch_radius * np.array([np.cos(phi), np.sin(phi)])), float(layout.z[ball])]
         names.append(name)
         centres.append(middle)
         normals.append(away / np.linalg.norm(away))
-    patches = {name: np.unique(corners) for name, corners in nut.faces.items()}
-    body = replace(nut, nodes={**nut.nodes, **patches}, faces={})
+    patches = {name: np.unique(corners) for name, corners in nut.face_sets.items()}
+    body = replace(nut, node_sets={**nut.node_sets, **patches}, face_sets={})
     decks = []
     for pushed in names:
         sections = tuple(
@@ -396,24 +399,28 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Deck]
             for name, centre, n in zip(names, centres, normals, strict=True)
         )
         head = (f"The nut alone, {SECTION_FORCE:g} N on {pushed}.",)
-        decks.append(replace(whole, bodies=(body,), sections=sections, contacts=(), heading=head, mirrored=()))
+        decks.append(
+            replace(
+                whole, bodies=(body,), rigid_sections=sections, contact_pairs=(), comment_lines=head, symmetry_node_sets=()
+            )
+        )
     return decks, np.array(normals)
 
 
-def section_translations(decks: list[Deck]) -> Array:
+def section_translations(decks: list[InputDeck]) -> Array:
     """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m], by our elements.
 
     They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in
     loads; they have one body, no contacts, and sections without fixed degrees of freedom.
     """
-    body, sections = decks[0].bodies[0], decks[0].sections
+    body, sections = decks[0].bodies[0], decks[0].rigid_sections
     mesh, number = build_mesh(body.points, body.cells, "P2")
     K = assemble_constant_form(elasticity_form(body.material.youngs_modulus, body.material.poissons_ratio), mesh)
-    C = _matrix_of_rigid_sections(body, sections, number, decks[0].fixed)
+    C = _matrix_of_rigid_sections(body, sections, number, decks[0].fixed_node_sets)
     loads = np.zeros((C.shape[1], len(decks)))
     count = 6 * len(sections)
     for k, deck in enumerate(decks):
-        loads[-count:, k] = np.concatenate([s.load for s in deck.sections])
+        loads[-count:, k] = np.concatenate([s.load for s in deck.rigid_sections])
     moved = factorise_positive_definite((C.T @ K @ C).tocsc())(loads)[-count:]
     return np.asarray(moved.reshape(len(sections), 6, len(decks)).transpose(2, 0, 1)[:, :, :3])
 
@@ -427,12 +434,14 @@ def _matrix_of_rigid_sections(
     of each node of the body; ``fixed``: names of the fixed node sets.
     """
     free = np.ones(3 * len(body.points), dtype=bool)
-    for name in (*fixed, *(s.nodes for s in sections)):
-        free[(3 * number[body.nodes[name]][:, None] + np.arange(3)).ravel()] = False
+    for name in (*fixed, *(s.node_set for s in sections)):
+        free[(3 * number[body.node_sets[name]][:, None] + np.arange(3)).ravel()] = False
     parts = [sp.eye_array(free.size, format="csc")[:, np.flatnonzero(free)]]
     for s in sections:
-        freedoms = (3 * number[body.nodes[s.nodes]][:, None] + np.arange(3)).ravel()
-        modes = sp.coo_array(nodal_displacements_of_rigid_motions(body.points[body.nodes[s.nodes]], s.point))
+        freedoms = (3 * number[body.node_sets[s.node_set]][:, None] + np.arange(3)).ravel()
+        modes = sp.coo_array(
+            nodal_displacements_of_rigid_motions(body.points[body.node_sets[s.node_set]], s.reference_point)
+        )
         parts.append(sp.csc_array((modes.data, (freedoms[modes.row], modes.col)), (free.size, 6)))
     return sp.hstack(parts, format="csc")
 
@@ -456,14 +465,14 @@ def compare_nut_compliance(
                 scene.name, "nut", str(error), "a deck that CalculiX solves", f"see the files in {deck_folder}"
             ) from None
         date, version = found.date, found.version
-        for i, s in enumerate(deck.sections):
-            (moved,) = found.moved[f"{s.name}_MOVE"].values()
+        for i, s in enumerate(deck.rigid_sections):
+            (moved,) = found.node_displacements[f"{s.name}_MOVE"].values()
             theirs[k, i] = UNITS["mm"].length * np.array(moved)
     along = [(np.einsum("jid,id->ij", x, normals) / SECTION_FORCE).tolist() for x in (ours, theirs)]
     return NutComplianceComparison(scene.name, key, decks[0].node_count, along[0], along[1], date, f"CalculiX {version}")
 
 
-def save_nut(folder: Path, comparison: NutComplianceComparison) -> Path:
+def save_nut_compliance(folder: Path, comparison: NutComplianceComparison) -> Path:
     """Write the compliance of a nut by both programs to ``nut.json`` in a folder; return the path.
 
     Raises InputError if the file cannot be written.
@@ -476,7 +485,7 @@ def save_nut(folder: Path, comparison: NutComplianceComparison) -> Path:
     return path
 
 
-def load_nut(folder: Path) -> NutComplianceComparison | None:
+def load_nut_compliance(folder: Path) -> NutComplianceComparison | None:
     """Return the stored compliance of a nut by both programs from a folder; None if it is not stored.
 
     Raises InputError for a damaged file.

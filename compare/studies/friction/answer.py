@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.friction_sums import direction_of_motion, friction_sums_json
+from rollbench.compare.models.friction_sums import friction_results_json, motion_relative_to_load
 from rollbench.compare.quantities import json_number
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.whole.feedback import JAMMED
 from rollbench.lowfi.friction.whole.losses import CAUSES, WIDE
 from rollbench.lowfi.friction.whole.state import FrictionState
-from rollbench.lowfi.friction.whole.torque import ScrewTorque
+from rollbench.lowfi.friction.whole.torque import FrictionSums
 from rollbench.lowfi.rating.catalogue_checks import warn_of_overall_friction_coefficient
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.validity import contact_warnings
-from rollbench.lowfi.warned import Warned, join_brief_warnings
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES, Friction, Motion, Scene
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
 
 LUBRICANT = "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature"
@@ -164,7 +164,7 @@ class FrictionAnswer:
 
 
 def json_entries_of_all_kinds(
-    scene: KindScene, status: str, converged: bool, coupling: str | None = None
+    scene: FrictionScene, status: str, converged: bool, coupling: str | None = None
 ) -> dict[str, Any]:
     """Return the JSON entries that every friction result has: names, status, assumptions, neglected effects.
 
@@ -181,12 +181,12 @@ def json_entries_of_all_kinds(
     }
 
 
-def three_digits(value: float) -> str:
+def format_three_digits(value: float) -> str:
     """Return a value as text with three significant digits, without exponent below a million."""
     return f"{float(f'{value:.3g}'):g}"
 
 
-def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
+def contact_values_json(sides: Sequence[str], values: Array) -> dict[str, Any]:
     """Return values at the n contacts of a ball as a JSON object, by the names of the contacts.
 
     ``sides``: names of the contacts; ``values``: a number or a vector for each contact, (n,) or (n, k).
@@ -196,16 +196,16 @@ def values_by_contact(sides: Sequence[str], values: Array) -> dict[str, Any]:
     }
 
 
-def load_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
+def ball_loads_json(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
     """Return a ball's contact loads and contact angles as JSON; the angle of a contact without load is null.
 
     ``sides``: names of the n contacts; ``force``: contact loads (n,) [N]; ``angle``: contact angles (n,) [rad].
     """
     loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
-    return {"load_N": values_by_contact(sides, force), "contact_angle_deg": values_by_contact(sides, loaded)}
+    return {"load_N": contact_values_json(sides, force), "contact_angle_deg": contact_values_json(sides, loaded)}
 
 
-def motion_json(ball_speeds: Array) -> dict[str, Any]:
+def ball_motion_json(ball_speeds: Array) -> dict[str, Any]:
     """Return the orbital speed and the rotation of a ball as JSON.
 
     ``ball_speeds``: orbital speed of the ball, then its angular velocity about the axes x, y, z, (4,) [rad/s].
@@ -223,11 +223,11 @@ def sliding_and_friction_json(
     the contact normal (n,) [N m]; ``loss``: dissipation (n,) [W]; ``rest``: whether each contact sticks (n,).
     """
     return {
-        "sliding_mm_s": values_by_contact(sides, 1e3 * motion[:, :2]),
-        "spin_rad_s": values_by_contact(sides, motion[:, 2]),
-        "friction_N": values_by_contact(sides, force),
-        "moment_Nmm": values_by_contact(sides, 1e3 * moment),
-        "loss_mW": values_by_contact(sides, 1e3 * loss),
+        "sliding_mm_s": contact_values_json(sides, 1e3 * motion[:, :2]),
+        "spin_rad_s": contact_values_json(sides, motion[:, 2]),
+        "friction_N": contact_values_json(sides, force),
+        "moment_Nmm": contact_values_json(sides, 1e3 * moment),
+        "loss_mW": contact_values_json(sides, 1e3 * loss),
         "at_rest": {s: bool(r) for s, r in zip(sides, rest, strict=True)},
     }
 
@@ -241,7 +241,7 @@ def terminal_ball_row(sides: Sequence[str], row: dict[str, Any]) -> dict[str, An
     return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
-def without_round_off(difference: float, magnitude: float) -> float:
+def zero_if_round_off(difference: float, magnitude: float) -> float:
     """Return the difference of two computed values, or zero if the difference is round-off.
 
     ``difference``: the difference; ``magnitude``: magnitude of the two values, in the same unit. The limit is
@@ -250,23 +250,23 @@ def without_round_off(difference: float, magnitude: float) -> float:
     return 0.0 if abs(difference) <= ROUND_OFF * abs(magnitude) else difference
 
 
-def power_balance(power: float, loss: float) -> dict[str, Any]:
+def power_balance_json(power: float, loss: float) -> dict[str, Any]:
     """Return input power, friction loss and their difference as JSON.
 
     ``power``: input power [W]; ``loss``: friction loss [W]. A difference within round-off is given as zero.
     """
-    left = without_round_off(power - loss, loss)
+    left = zero_if_round_off(power - loss, loss)
     return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
 
 
-def power_balance_with_percent(power: float, loss: float, round_off: float) -> dict[str, Any]:
+def power_balance_percent_json(power: float, loss: float, round_off: float) -> dict[str, Any]:
     """Return input power, friction loss and their difference as JSON, the difference also in % of the loss.
 
     ``power``: input power [W]; ``loss``: friction loss [W]; ``round_off``: scale of the round-off, which is the loss
     that the contacts would have if all of them slid fully [W]. The percentage is null if ``loss`` is at most `NOTHING`
     times ``round_off``.
     """
-    return power_balance(power, loss) | {"balance_percent": loss_increase_percent(power, loss, round_off)}
+    return power_balance_json(power, loss) | {"balance_percent": loss_increase_percent(power, loss, round_off)}
 
 
 def loss_increase_percent(loss: float, reference_loss: float, round_off: float) -> float | None:
@@ -278,23 +278,27 @@ def loss_increase_percent(loss: float, reference_loss: float, round_off: float) 
     if not reference_loss > NOTHING * round_off:
         return None
     return json_number(
-        float(error_percent(reference_loss + without_round_off(loss - reference_loss, reference_loss), reference_loss))
+        float(error_percent(reference_loss + zero_if_round_off(loss - reference_loss, reference_loss), reference_loss))
     )
 
 
-def effect_of_ball_to_ball_contact(power: float, loss: float, apart: float, balls: float, bound: float) -> dict[str, Any]:
+def ball_to_ball_contact_effect_json(
+    power: float, loss: float, loss_apart: float, loss_between_balls: float, full_sliding_loss: float
+) -> dict[str, Any]:
     """Return as JSON how contact between neighbouring balls changes the friction losses.
 
-    ``power`` and ``loss``: input power and loss with balls that touch [W]; ``apart``: loss with the balls far apart [W];
-    ``balls``: the part of ``loss`` in the contacts between balls [W]; ``bound``: loss that the contacts would have if all
-    of them slid fully [W], the scale of the round-off.
+    ``power`` and ``loss``: input power and loss with balls that touch [W]; ``loss_apart``: loss with the balls far apart
+    [W]; ``loss_between_balls``: the part of ``loss`` in the contacts between balls [W]; ``full_sliding_loss``: loss that
+    the contacts would have if all of them slid fully [W], the scale of the round-off.
     """
     return {
-        "loss_apart_W": json_number(apart),
-        "friction_increase_percent": loss_increase_percent(loss, apart, bound),
-        "ball_to_ball_percent": json_number(100.0 * balls / apart) if apart > NOTHING * bound else None,
-        "ball_to_ball_loss_W": json_number(balls),
-        "energy": power_balance_with_percent(power, loss, bound),
+        "loss_apart_W": json_number(loss_apart),
+        "friction_increase_percent": loss_increase_percent(loss, loss_apart, full_sliding_loss),
+        "ball_to_ball_percent": json_number(100.0 * loss_between_balls / loss_apart)
+        if loss_apart > NOTHING * full_sliding_loss
+        else None,
+        "ball_to_ball_loss_W": json_number(loss_between_balls),
+        "energy": power_balance_percent_json(power, loss, full_sliding_loss),
     }
 
 
@@ -316,7 +320,7 @@ def scene_word_for_hertz_constants(hertz: str) -> str:
 def energy_line(values: dict[str, Any], digits: int = 6) -> Line:
     """Return a terminal line (label, text) on input power, friction loss and their difference.
 
-    ``values``: JSON values of `power_balance`; ``digits``: number of significant digits of the powers.
+    ``values``: JSON values of `power_balance_json`; ``digits``: number of significant digits of the powers.
     """
     power, loss, left = (float(values[f"{name}_W"]) for name in ("input_power", "loss", "balance"))
     if left == 0.0 or loss == 0.0:
@@ -338,27 +342,35 @@ def sentence_on_jammed_states(state: FrictionState) -> str:
     Such equilibria may exist at high coefficients of friction. ``state``: friction of the screw or bearing.
     """
     start = "at this coefficient of friction a ball may have a second, jammed state"
-    if state.second is None:
+    if state.jammed_balls is None:
         along = "without lead friction runs along the grooves and moves no ball across them"
-        why = along if state.torque.ratio == 0.0 else "it takes friction that moves balls in grooves, feedback = true"
+        why = (
+            along
+            if state.friction_sums.advance_per_radian == 0.0
+            else "it takes friction that moves balls in grooves, feedback = true"
+        )
         return f"{start}; none was searched for: {why}"
-    if not state.second:
+    if not state.jammed_balls:
         return f"{start}; none was found from four displaced starts of every ball"
-    numbers = ", ".join(str(k + 1) for k in state.second[:8])
-    what = "1 ball has" if len(state.second) == 1 else f"{len(state.second)} balls have"
+    numbers = ", ".join(str(k + 1) for k in state.jammed_balls[:8])
+    what = "1 ball has" if len(state.jammed_balls) == 1 else f"{len(state.jammed_balls)} balls have"
     return f"{what} a second, jammed state: {numbers}; this is the one that rolls on"
 
 
-def slip_warnings(loss_increase: float) -> list[Warned]:
+def heathcote_slip_warnings(loss_increase: float) -> list[ResultWarning]:
     """Return a warning if Heathcote slip (over curved contacts), which is neglected, would add much to the losses.
 
     The list is empty otherwise. ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses
     without it.
     """
-    return [Warned("slip", f"the contacts are so wide that {slip_clause(loss_increase)}")] if loss_increase > WIDE else []
+    return (
+        [ResultWarning("slip", f"the contacts are so wide that {heathcote_slip_clause(loss_increase)}")]
+        if loss_increase > WIDE
+        else []
+    )
 
 
-def slip_clause(loss_increase: float) -> str:
+def heathcote_slip_clause(loss_increase: float) -> str:
     """Return a clause that says by how many per cent the neglected Heathcote slip would raise friction.
 
     ``loss_increase``: ratio of the additional losses by Heathcote slip to the losses without it.
@@ -371,15 +383,15 @@ def ball_to_ball_forces_as_json(state: FrictionState) -> dict[str, Any] | None:
 
     ``state``: friction of the screw or bearing. None if forces between neighbouring balls are not computed.
     """
-    n, t = state.neighbours, state.torque
+    n, t = state.neighbour_friction, state.friction_sums
     if n is None:
         return None
     return {
-        "pairs": n.touching,
-        "smallest_gap_um": json_number(1e6 * n.least),
-        "force_on_next_N": [json_number(f) for f in n.force],
-        "loss_W": json_number(n.power),
-        "friction_torque_change_percent": loss_increase_percent(t.power, state.bare.power, 0.0),
+        "pairs": n.touching_pair_count,
+        "smallest_gap_um": json_number(1e6 * n.smallest_gap),
+        "force_on_next_N": [json_number(f) for f in n.force_on_next_ball],
+        "loss_W": json_number(n.power_lost_between_balls),
+        "friction_torque_change_percent": loss_increase_percent(t.power, state.sums_without_feedback.power, 0.0),
     }
 
 
@@ -389,17 +401,19 @@ def json_rows_of_balls(result: StaticResult, state: FrictionState) -> list[dict[
     ``result``: static result; ``state``: friction of the balls. The axes x and z of a contact lie across and along its
     groove.
     """
-    at, f, q = state.at, state.balls, state.balls.q
+    at, f, q = state.contacts, state.ball_friction, state.ball_friction.ball_motions
     return [
         {
             "index": i + 1,
             "azimuth_deg": json_number(math.degrees(result.azimuth[i])),
             "z_mm": json_number(1e3 * result.z[i]),
         }
-        | load_json(SIDES, at.force[i], at.angle[i])
-        | motion_json(q[i])
-        | {"closing_mm_s": json_number(1e3 * state.closing[i])}
-        | sliding_and_friction_json(SIDES, f.motion[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.rest[i])
+        | ball_loads_json(SIDES, at.force[i], at.angle[i])
+        | ball_motion_json(q[i])
+        | {"closing_mm_s": json_number(1e3 * state.closing_speeds[i])}
+        | sliding_and_friction_json(
+            SIDES, f.contact_motions[i], f.force[i], f.moment[i], f.loss[i].sum(axis=1), f.sticking_contacts[i]
+        )
         | {"status": f.status[i]}
         for i in range(at.force.shape[0])
     ]
@@ -445,7 +459,7 @@ def losses_by_contact_and_cause(state: FrictionState) -> list[dict[str, Any]]:
     Each row has the loss and its parts by cause (sliding across, sliding along, spin). ``state``: friction of the screw
     or bearing.
     """
-    table = state.balls.loss.sum(axis=0)
+    table = state.ball_friction.loss.sum(axis=0)
     named = [*zip(SIDES, table, strict=True), ("sum", table.sum(axis=0))]
     return [
         {"contact": name, "loss_W": json_number(row.sum())} | {c: json_number(v) for c, v in zip(CAUSES, row, strict=True)}
@@ -459,7 +473,7 @@ def torque_row_for_coefficients(friction: Friction, state: FrictionState, drag: 
     ``friction``: the coefficients; ``state``: friction computed with them; ``drag``: friction torque without loads [N
     m], None if it is not known.
     """
-    found = friction_sums_json(state.torque, drag)
+    found = friction_results_json(state.friction_sums, drag)
     names = (
         "friction_torque_Nmm",
         "drag_torque_Nmm",
@@ -494,7 +508,7 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
     )
 
 
-def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
+def without_pressure_and_size(warnings: Sequence[ResultWarning]) -> list[ResultWarning]:
     """Return the given warnings except those on contact pressure and on contact size.
 
     Pressure and size are checked again after the friction is computed, because friction changes the contact loads.
@@ -502,44 +516,47 @@ def without_pressure_and_size(warnings: Sequence[Warned]) -> list[Warned]:
     return [w for w in warnings if w.kind not in ("pressure", "size")]
 
 
-def friction_warnings(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[Warned]) -> list[Warned]:
+def friction_warnings(
+    scene: Scene, friction: Friction, state: FrictionState, static: Sequence[ResultWarning]
+) -> list[ResultWarning]:
     """Return warnings on a friction result, and those on the static contact loads that still apply.
 
     ``friction``: coefficients of friction; ``state``: the friction result; ``static``: warnings on the static contact
     loads. Of these, the warnings on pressure and size of contacts are replaced by new ones, because friction changes
     the contact loads.
     """
-    at = state.at
+    at = state.contacts
     loaded = at.force > 0.0
     notes = without_pressure_and_size(static)
     notes += warn_of_overall_friction_coefficient(scene.track, friction)
     notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append(Warned("jam", sentence_on_jammed_states(state)))
-    two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
-    if two.any() and state.torque.ratio != 0.0 and not state.coupled:
+        notes.append(ResultWarning("jam", sentence_on_jammed_states(state)))
+    two = (loaded.sum(axis=1) == 2) & (state.ball_friction.total_power_lost > 0.0)
+    if two.any() and state.friction_sums.advance_per_radian != 0.0 and not state.friction_changes_loads:
         text = (
             f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
-            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without feedback the "
+            f"{state.friction_sums.cross_groove_friction_ratio:.2g} of their load, onto other contact angles or a third "
+            "flank; without feedback the "
             "friction torque may be too small by a factor of two or more"
         )
-        notes.append(Warned("feedback", text))
-    unsure = state.balls.status.count("regularised")
+        notes.append(ResultWarning("feedback", text))
+    unsure = state.ball_friction.status.count("regularised")
     if unsure:
         text = f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only"
-        notes.append(Warned("slip", text))
+        notes.append(ResultWarning("slip", text))
     return notes
 
 
-def _driving_line(torque: ScrewTorque, motion: Motion, part: str) -> Line:
+def _line_on_driving_torque(torque: FrictionSums, motion: Motion, part: str) -> Line:
     """Return a terminal line (label, text) on the torque that a motor must give or a brake must hold.
 
     ``torque``: torque on the screw; ``motion``: motion of screw or nut; ``part``: name of the part that turns.
     """
-    needed = 1e3 * torque.on_screw * np.sign(torque.speed)
+    needed = 1e3 * torque.driving_torque_on_screw * np.sign(torque.speed)
     role = "which a motor must give" if needed >= 0.0 else "with which a brake must hold"
-    moving = f", which moves {direction_of_motion(torque)}" if torque.moves_axial_load else ""
-    return "torque", f"{three_digits(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
+    moving = f", which moves {motion_relative_to_load(torque)}" if torque.moves_axial_load else ""
+    return "torque", f"{format_three_digits(abs(needed))} N mm, {role} the {part} at {motion.speed:.6g} rad/s{moving}"
 
 
 def line_on_remaining_imbalance(residual: float, friction_residual: float) -> Line:
@@ -560,33 +577,42 @@ def lines_on_friction_of_screw(motion: Motion, state: FrictionState, drag: tuple
     ``state``: the friction; ``drag``: friction torque without loads [N m], None if it is not known, and a remark on it.
     Values that depend on the coefficient of friction, which is hardly known to one digit, have three digits.
     """
-    t, ring = state.torque, state.torque.ratio == 0.0
+    t, ring = state.friction_sums, state.friction_sums.advance_per_radian == 0.0
     inner, outer = ("inner ring", "outer ring") if ring else ("screw", "nut")
     without = (
         "unknown: " + drag[1]
         if drag[0] is None
-        else f"{three_digits(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
+        else f"{format_three_digits(1e3 * drag[0])} N mm" + f" ({drag[1]})" * bool(drag[1])
     )
     lines = [
-        _driving_line(t, motion, inner if motion.turns == "screw" else outer),
+        _line_on_driving_torque(t, motion, inner if motion.turns == "screw" else outer),
         (
             "friction",
-            f"torque {three_digits(1e3 * t.friction)} N mm of {inner} in {outer}; drag torque without loads {without}",
+            f"torque {format_three_digits(1e3 * t.friction_torque)} N mm of {inner} in {outer}; drag torque without "
+            f"loads {without}",
         ),
     ]
-    bare = f"{three_digits(1e3 * state.bare.friction)} N mm"
-    if state.neighbours is not None:
-        n = state.neighbours
+    bare = f"{format_three_digits(1e3 * state.sums_without_feedback.friction_torque)} N mm"
+    if state.neighbour_friction is not None:
+        n = state.neighbour_friction
         text = (
-            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.3g} N; between balls "
-            f"{n.power:.3g} W are lost; without them the friction torque is {bare}"
+            f"{n.touching_pair_count} pairs of neighbours touch, with up to {n.force_on_next_ball.max(initial=0.0):.3g} "
+            "N; between balls "
+            f"{n.power_lost_between_balls:.3g} W are lost; without them the friction torque is {bare}"
         )
         lines.append(("balls", text))
-    elif not ring and t.friction != 0.0:
-        how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
+    elif not ring and t.friction_torque != 0.0:
+        how = (
+            "friction moves the balls in their grooves"
+            if state.friction_changes_loads
+            else "loads are those without friction"
+        )
         text = (
-            f"{how}: it pulls the screw along its axis with {t.pull:.3g} N and a ball across its path with up to "
-            f"{t.tilt:.3g} of its largest load" + f"; without this feedback the friction torque is {bare}" * state.coupled
+            f"{how}: it pulls the screw along its axis with {t.axial_friction_on_screw:.3g} N and a ball across its path "
+            "with up to "
+            f"{t.cross_groove_friction_ratio:.3g} of its largest load"
+            + f"; without this feedback the friction torque is {bare}"
+            * state.friction_changes_loads
         )
         lines.append(("feedback", text))
     return lines

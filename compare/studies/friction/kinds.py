@@ -14,11 +14,11 @@ import numpy as np
 
 from rollbench.compare.quantities import json_number
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
-from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewSimulationScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
-from rollbench.compare.studies.friction.linear_kinds import solve_linear
+from rollbench.compare.studies.friction.linear_kinds import solve_friction_of_linear_bearing
 from rollbench.compare.studies.friction.run import (
     lines_on_simulation,
     simulate_with_several_step_sizes,
@@ -35,20 +35,20 @@ from rollbench.lowfi.friction.bearing import (
 )
 from rollbench.lowfi.friction.contact.equilibrium import BodyMotion as BallMotion
 from rollbench.lowfi.friction.contact.equilibrium import (
+    BodyMotionProblem,
     ContactLoadSolution,
-    MotionProblem,
     least_dissipation,
     motion_by_root,
     motion_by_sharpened_sigmoids,
     remove_friction_forces,
 )
-from rollbench.lowfi.friction.contact.laws import Contacts, RegularisedCoulomb
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts, RegularisedCoulombLaw
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
-from rollbench.lowfi.friction.screw.run import ScrewPairSolution, solve_pair, summarise_history
+from rollbench.lowfi.friction.screw.run import ScrewPairSolution, solve_pair_of_screw_balls, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import TravelHistory
 from rollbench.lowfi.statics.validity import size_warnings
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES, Motion
 
@@ -67,12 +67,12 @@ def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
     return groove.mu * float(force.sum()) * abs(groove.speed) * groove.radius
 
 
-def screw_warnings(groove: ScrewGroove, force: Array) -> list[Warned]:
+def contact_size_warnings_of_screw(groove: ScrewGroove, force: Array) -> list[ResultWarning]:
     """Return warnings on contact ellipses that are large compared with the ball.
 
     ``groove``: groove and ball; ``force``: contact loads (..., 4) [N] of each ball on the four flanks.
     """
-    return size_warnings((groove.constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
+    return size_warnings((groove.contact_hertz_constants.C_a * np.cbrt(force)).ravel(), groove.ball_radius)
 
 
 # --- two balls
@@ -85,10 +85,10 @@ def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, An
     """
     return [
         {"index": k + 1, "state": state}
-        | answer.load_json(SIDES, chain.load.force[k], chain.load.angle[k])
-        | answer.motion_json(chain.motion.q[k])
+        | answer.ball_loads_json(SIDES, chain.loads_with_friction.force[k], chain.loads_with_friction.angle[k])
+        | answer.ball_motion_json(chain.motion.q[k])
         | {"groove_loss_mW": json_number(1e3 * chain.motion.groove_loss[k].sum())}
-        for state, chain in (("apart", result.free), ("touching", result.touching))
+        for state, chain in (("apart", result.apart), ("touching", result.touching))
         for k in range(2)
     ]
 
@@ -97,22 +97,22 @@ def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
     """Return "converged" for two balls of a screw, or what failed: the balance of loads or friction, or their agreement."""
     if result.converged:
         return "converged"
-    if all(c.load.converged and c.motion.converged for c in (result.free, result.touching)):
+    if all(c.loads_with_friction.converged and c.motion.converged for c in (result.apart, result.touching)):
         return "loads and friction do not agree"
     return "no balance of the loads or of friction found"
 
 
 def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionAnswer:
     """Solve two balls of a ball screw; return forces, losses, and how contact between the balls changes the friction."""
-    pair = scene.pair
-    r = solve_pair(pair)
-    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, json_rows_of_two_screw_balls(r), (r.free, r.touching)
-    bound, ball_loss = full_sliding_loss(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    pair = scene.ball_pair
+    r = solve_pair_of_screw_balls(pair)
+    m, apart, rows, chains = r.touching.motion, r.apart.motion.loss, json_rows_of_two_screw_balls(r), (r.apart, r.touching)
+    bound, ball_loss = full_sliding_loss(pair.groove, r.touching.loads_with_friction.force), float(m.ball_loss.sum())
     between = {"balls": "1-2", "gap_um": 0.0, "force_N": json_number(r.force), "loss_mW": json_number(1e3 * ball_loss)}
     solver = {
-        "load_imbalance_N": json_number(max(c.load.left for c in chains)),
-        "friction_imbalance_N": json_number(max(c.motion.left for c in chains)),
-        "feedback_change_N": json_number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+        "load_imbalance_N": json_number(max(c.loads_with_friction.largest_unbalanced_force for c in chains)),
+        "friction_imbalance_N": json_number(max(c.motion.largest_unbalanced_force for c in chains)),
+        "feedback_change_N": json_number(max(c.last_friction_change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
     data = answer.json_entries_of_all_kinds(scene, status_of_two_screw_balls(r), r.converged, pair.coupling) | {
@@ -123,11 +123,11 @@ def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionA
         "deviation_deg": [json_number(degrees(t)) for t in pair.theta],
         "oversize_um": json_number(1e6 * pair.oversize),
         "balls": rows,
-        "pairs": [between | {"closing_apart_rad_s": json_number(r.closing)}],
+        "pairs": [between | {"closing_apart_rad_s": json_number(r.approach_speed_when_apart)}],
         "load_sum_N": [json_number(f) for f in r.ball_loads],
-        **answer.effect_of_ball_to_ball_contact(m.input_power, m.loss, apart, ball_loss, bound),
+        **answer.ball_to_ball_contact_effect_json(m.input_power, m.loss, apart, ball_loss, bound),
         "solver": solver,
-        "warnings": screw_warnings(pair.groove, r.touching.load.force),
+        "warnings": contact_size_warnings_of_screw(pair.groove, r.touching.loads_with_friction.force),
     }
     return answer.FrictionAnswer(
         data,
@@ -183,13 +183,13 @@ def balls_keep_their_order(history: TravelHistory) -> bool:
     return bool(ahead.min() >= history.setting.groove.pair.spacing - TOUCHING)
 
 
-def run_summary(history: TravelHistory) -> dict[str, Any]:
+def screw_run_summary_json(history: TravelHistory) -> dict[str, Any]:
     """Return a summary of a screw's simulation over time as JSON values, whose names end in the units.
 
     ``history``: history of the simulation. "largest_ball_to_groove_percent" is the largest ratio of the torque by
     contact between balls to the torque by contact with the grooves.
     """
-    s, touch, nut = summarise_history(history), np.any(history.contact, axis=1), np.degrees(history.nut_angle)
+    s, touch, nut = summarise_screw_run(history), np.any(history.contact, axis=1), np.degrees(history.nut_angle)
     met = bool(touch.any())
     torques = {
         "mean_torque_Nmm": history.torque,
@@ -198,14 +198,14 @@ def run_summary(history: TravelHistory) -> dict[str, Any]:
         "mean_closing_torque_Nmm": history.closing_torque,
     }
     return {
-        "largest_ball_to_groove_percent": json_number(100.0 * s.largest),
-        "largest_at_deg": json_number(s.at) if met else None,
+        "largest_ball_to_groove_percent": json_number(100.0 * s.largest_ball_to_groove_ratio),
+        "largest_at_deg": json_number(s.nut_angle_of_largest_ratio) if met else None,
         "contact_begins_deg": json_number(nut[np.argmax(touch)]) if met else None,
-        "contact_ends_deg": json_number(s.none_at) if met else None,
+        "contact_ends_deg": json_number(s.nut_angle_without_contact) if met else None,
         "contact_ends_within_deg": json_number(degrees(abs(history.setting.groove.speed) * history.span / history.steps))
         if met
         else None,
-        "largest_groups": s.groups,
+        "largest_groups": s.most_touching_groups,
         **{name: json_number(1e3 * history.mean(values)) for name, values in torques.items()},
         "groove_variation_percent": json_number(100.0 * s.groove_variation),
         "largest_ball_force_N": json_number(history.ball_force.max()),
@@ -215,7 +215,7 @@ def run_summary(history: TravelHistory) -> dict[str, Any]:
     }
 
 
-def run_series(history: TravelHistory) -> dict[str, list[Any]]:
+def screw_run_series_json(history: TravelHistory) -> dict[str, list[Any]]:
     """Return the time series of a screw's simulation as JSON, with one value per time step.
 
     ``history``: history of the simulation. Time and nut angle are those of the middle of a step.
@@ -235,20 +235,20 @@ def run_series(history: TravelHistory) -> dict[str, list[Any]]:
     return out | {"converged": history.converged.tolist()}
 
 
-def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
+def simulate_screw_over_time(scene: ScrewSimulationScene) -> answer.FrictionAnswer:
     """Simulate a whole screw over time; return contacts between balls, torques and energy."""
-    run, time = scene.run, scene.time
+    run, time = scene.simulation, scene.time
     in_time = simulation_with_status(
         *simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
     )
     h, speed = in_time.history, abs(run.groove.speed)
     bound = full_sliding_loss(run.groove, h.load) / h.time.size
     loss = h.torque * speed
-    spent = answer.power_balance_with_percent(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
+    spent = answer.power_balance_percent_json(h.mean(loss * (1.0 + h.imbalance)), h.mean(loss), bound)
     known = spent["balance_percent"] is not None
-    largest = answer.without_round_off(float(np.abs(h.imbalance).max()), 1.0)
+    largest = answer.zero_if_round_off(float(np.abs(h.imbalance).max()), 1.0)
     spent["largest_step_balance_percent"] = json_number(100.0 * largest) if known else None
-    summary, failed = run_summary(h), int(np.sum(~h.converged))
+    summary, failed = screw_run_summary_json(h), int(np.sum(~h.converged))
     found = transient_simulation_as_json(in_time)
     data = answer.json_entries_of_all_kinds(scene, in_time.status, in_time.converged, run.coupling) | {
         "law": "coulomb",
@@ -262,14 +262,14 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
         "oversize_um": json_number(1e6 * run.oversize),
         "summary": summary,
         "energy": spent,
-        "series": run_series(h),
+        "series": screw_run_series_json(h),
         "solver": {
             "failed_steps": failed,
             "feedback_change_N": json_number(h.change.max()) if run.coupling != "none" else 0.0,
         },
         "step_error": found["step_error"],
         "run": found,
-        "warnings": screw_warnings(run.groove, h.load),
+        "warnings": contact_size_warnings_of_screw(run.groove, h.load),
     }
     label, text = answer.energy_line(spent)
     lines = [
@@ -304,20 +304,20 @@ RUN_LINES = (
 )
 
 
-def ball_motion(scene: BearingBallScene, problem: MotionProblem) -> BallMotion:
+def bearing_ball_motion(scene: BearingBallScene, problem: BodyMotionProblem) -> BallMotion:
     """Return the motion of one ball of a bearing under the friction law that the scene chooses.
 
     ``problem``: equations of the ball's balance of friction forces and moments. For Coulomb friction the motion is that
     of least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
     """
     first = least_dissipation(problem)
-    if scene.law == "coulomb":
+    if scene.friction_law == "coulomb":
         return first
-    if scene.law == "regularised":
-        return motion_by_root(problem, RegularisedCoulomb(scene.creep), first.q)
-    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
-    found = motion_by_root(problem, law, first.q)
-    return found if found.status == "exact" else motion_by_sharpened_sigmoids(problem, law, first.q)
+    if scene.friction_law == "regularised":
+        return motion_by_root(problem, RegularisedCoulombLaw(scene.regularisation_speed), first.unknown_velocities)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.friction_table_step)
+    found = motion_by_root(problem, law, first.unknown_velocities)
+    return found if found.status == "exact" else motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
 
 
 def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
@@ -333,7 +333,7 @@ def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
     return "no balance of friction found" if motion == "failed" else "converged"
 
 
-def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: BallMotion) -> dict[str, Any]:
+def json_row_of_bearing_ball(load: ContactLoadSolution, at: EllipticalContacts, motion: BallMotion) -> dict[str, Any]:
     """Return the JSON row of one ball of a bearing: loads, contact ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
@@ -343,13 +343,15 @@ def json_row_of_bearing_ball(load: ContactLoadSolution, at: Contacts, motion: Ba
     f = motion.friction
     return (
         {"index": 1}
-        | answer.load_json(bearing.SIDES, load.force, load.angle)
+        | answer.ball_loads_json(bearing.SIDES, load.force, load.angle)
         | {
-            "semi_axis_across_um": answer.values_by_contact(bearing.SIDES, 1e6 * at.a),
-            "semi_axis_along_um": answer.values_by_contact(bearing.SIDES, 1e6 * at.b),
+            "semi_axis_across_um": answer.contact_values_json(bearing.SIDES, 1e6 * at.a),
+            "semi_axis_along_um": answer.contact_values_json(bearing.SIDES, 1e6 * at.b),
         }
-        | answer.motion_json(np.append(motion.q, 0.0))
-        | answer.sliding_and_friction_json(bearing.SIDES, motion.motion, f.force, f.moment, f.loss, motion.rest)
+        | answer.ball_motion_json(np.append(motion.unknown_velocities, 0.0))
+        | answer.sliding_and_friction_json(
+            bearing.SIDES, motion.contact_motions, f.force, f.moment, f.loss, motion.sticking_contacts
+        )
     )
 
 
@@ -381,13 +383,13 @@ CONTACT_COLUMNS = (
 )
 
 
-def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
+def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Solve contact loads and friction of one ball of a bearing; return them with losses and torque on the inner ring."""
     b = scene.bearing
-    load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
+    load = bearing.contact_loads_of_ball(b, scene.axial_force, scene.radial_displacement)
     rough = replace(b, mu=b.mu or 1.0)
     at = bearing.ball_contacts(rough, load)
-    motion = ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
+    motion = bearing_ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
     if b.mu == 0.0:
         motion = remove_friction_forces(motion)
     held = load.force > 0.0
@@ -397,14 +399,14 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
         bearing.inner_ring_torque(b, load, motion),
         b.screw_speed,
     )
-    power = answer.power_balance_with_percent(
-        torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * b.pitch_radius
+    power = answer.power_balance_percent_json(
+        torque * speed, motion.loss, float(at.friction_bound.sum()) * abs(speed) * b.pitch_radius
     )
     by_loss = json_number(1e3 * motion.loss / abs(speed)) if speed != 0.0 else None
     data = answer.json_entries_of_all_kinds(
         scene, status_of_bearing_ball(bool(held.any()), load.converged, motion.status), converged
     ) | {
-        "law": scene.law,
+        "law": scene.friction_law,
         "hertz": answer.scene_word_for_hertz_constants(b.hertz),
         "coupled": False,
         "balls": [ball],
@@ -412,7 +414,7 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
         "torque": {"friction_torque_Nmm": by_loss, "driving_torque_on_screw_Nmm": json_number(1e3 * torque)},
         "energy": power,
         "solver": {
-            "load_imbalance_N": json_number(load.left),
+            "load_imbalance_N": json_number(load.largest_unbalanced_force),
             "friction_imbalance_N": json_number(motion.imbalance),
             "load_steps": load.steps,
             "motion_steps": motion.steps,
@@ -421,12 +423,15 @@ def solve_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
     return answer.FrictionAnswer(
-        data, [("per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball))], ball_lines(data), converged
+        data, [("per contact", CONTACT_COLUMNS, rows_of_loaded_contacts(ball))], lines_on_bearing_ball(data), converged
     )
 
 
-def ball_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on one ball of a bearing; ``data``: JSON values of `solve_bearing_ball`."""
+def lines_on_bearing_ball(data: dict[str, Any]) -> list[answer.Line]:
+    """Return terminal lines (label, text) on one ball of a bearing.
+
+    ``data``: JSON values of `solve_friction_of_bearing_ball`.
+    """
     (ball,), torque = data["balls"], data["torque"]
     by_loss = torque["friction_torque_Nmm"]
     return [
@@ -459,7 +464,7 @@ def has_friction_loss(case: BearingCase, state: BearingState) -> bool:
     return float(state.loss.sum()) > answer.NOTHING * full_sliding_loss(case.groove, state.load.force)
 
 
-def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
+def bearing_torques_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any]:
     """Return the friction torque [N mm] of a bearing at each load angle, and the ratio of the largest to the smallest.
 
     ``states``: solution for each load angle. The JSON values also have, for each load angle, the number of balls with
@@ -469,7 +474,7 @@ def bearing_json(case: BearingCase, states: list[BearingState]) -> dict[str, Any
     all_rub = all(has_friction_loss(case, s) for s in states)
     return {
         "friction_torque_Nmm": [json_number(t) for t in torque],
-        "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
+        "balls_beyond_two_contacts": [int(np.sum(s.loaded_contact_counts > 2)) for s in states],
         "largest_over_smallest": json_number(max(torque) / min(torque)) if all_rub else None,
         "converged": [s.converged for s in states],
     }
@@ -482,7 +487,7 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
     """
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
-        for angle in scene.angle:
+        for angle in scene.force_angles:
             free = describe_unresisted_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
@@ -495,7 +500,7 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
 
     The energy balance is the mean over all load angles and both bearings.
     """
-    case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
+    case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.force_angles)]
     common = {
         "law": "coulomb",
         "hertz": answer.scene_word_for_hertz_constants(case.groove.hertz),
@@ -511,17 +516,17 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
         return answer.FrictionAnswer(
             answer.json_entries_of_all_kinds(scene, status, False) | common | {"warnings": []}, [], [], False
         )
-    return _bearing_answer(scene, common)
+    return _answer_on_two_bearings(scene, common)
 
 
-def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
+def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> answer.FrictionAnswer:
     """Return the friction of a four-point and a double-row bearing over the load angle.
 
     ``common``: JSON entries that are known before the solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
-    by_case = [solve_bearing_over_force_angles(case, scene.angle) for case in cases]
-    four, double = (bearing_json(case, states) for case, states in zip(cases, by_case, strict=True))
+    by_case = [solve_bearing_over_force_angles(case, scene.force_angles) for case in cases]
+    four, double = (bearing_torques_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
     ratios = [
@@ -536,13 +541,13 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
             [full_sliding_loss(c.groove, s.load.force) for c, s in states],
         )
     )
-    spent = answer.power_balance_with_percent(power, loss, bound)
+    spent = answer.power_balance_percent_json(power, loss, bound)
     large = [
         w.with_part_name(name)
         for name, c, one in zip(("four-point", "double row"), cases, by_case, strict=True)
-        for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
+        for w in contact_size_warnings_of_screw(c.groove, np.stack([s.load.force for s in one]))
     ]
-    solver = {"load_imbalance_N": json_number(max(s.load.left for _, s in states))}
+    solver = {"load_imbalance_N": json_number(max(s.load.largest_unbalanced_force for _, s in states))}
     data = answer.json_entries_of_all_kinds(scene, status, all(good)) | common | {"four_point": four, "double_row": double}
     data |= {"four_over_double": ratios, "energy": spent, "solver": solver, "warnings": large}
     columns = zip(
@@ -555,10 +560,12 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> answer.F
         strict=True,
     )
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    return answer.FrictionAnswer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+    return answer.FrictionAnswer(
+        data, [("over the load's angle", BEARING_COLUMNS, rows)], lines_on_two_bearings(data), all(good)
+    )
 
 
-def bearing_lines(data: dict[str, Any]) -> list[answer.Line]:
+def lines_on_two_bearings(data: dict[str, Any]) -> list[answer.Line]:
     """Return terminal lines (label, text) on a four-point and a double-row bearing.
 
     ``data``: JSON values of their friction.
@@ -585,16 +592,16 @@ BEARING_COLUMNS = (
 
 #: Functions that solve a scene of single parts, by the kind of the scene.
 SOLVERS: dict[str, Callable[[Any], FrictionAnswer]] = {
-    "bearing ball": solve_bearing_ball,
+    "bearing ball": solve_friction_of_bearing_ball,
     "bearing pair": solve_friction_of_two_bearings,
-    "linear pair": solve_linear,
-    "linear chain": solve_linear,
+    "linear pair": solve_friction_of_linear_bearing,
+    "linear chain": solve_friction_of_linear_bearing,
     "screw pair": solve_friction_of_two_screw_balls,
     "screw run": simulate_screw_over_time,
 }
 
 
-def solve_friction_of_single_parts(scene: KindScene) -> FrictionAnswer:
+def solve_friction_of_single_parts(scene: FrictionScene) -> FrictionAnswer:
     """Compute the friction of a scene of single parts: two balls, one ball, bearing, linear bearing, or screw over time.
 
     Parameters

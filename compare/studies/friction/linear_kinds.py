@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import Refusal
+from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.quantities import json_number
-from rollbench.compare.scenes.friction_kinds.bearings import LinearScene
+from rollbench.compare.scenes.friction_kinds.bearings import LinearBearingScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.text.printing import Column
 from rollbench.lowfi.friction.linear.bearing import (
@@ -23,13 +23,13 @@ from rollbench.lowfi.friction.linear.chain import (
     RISEN,
     LinearChain,
     LinearChainSolution,
-    find_second_state,
-    may_have_several_states,
+    find_second_equilibrium,
+    may_have_several_equilibria,
     prepare_linear_chain,
     solve_linear_chain,
 )
 from rollbench.lowfi.statics.validity import size_warnings
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 
 #: Largest unbalanced force over the largest force, for loads that count as solved.
@@ -38,7 +38,7 @@ BALANCED = 1e-8
 LONG = 60
 
 
-def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
+def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float]:
     """Return contact angles and contact loads of the balls of a linear bearing, and their imbalance.
 
     With the scene's distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's
@@ -58,25 +58,30 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     Refusal
         If contact angles that follow the loads allow no equilibrium.
     """
-    if scene.distribution == "elastic":
+    if scene.load_distribution == "elastic":
         try:
-            force, angles = loads_of_elastic_contacts(scene.bearing, scene.angles, scene.vertical, scene.side)
+            force, angles = loads_of_elastic_contacts(
+                scene.bearing, scene.contact_angles, scene.vertical_force, scene.side_force_ratios
+            )
         except ArithmeticError as error:
             advice = 'change the forces on the balls, or take distribution = "balanced"'
-            raise Refusal(scene.name, "load", str(error), advice) from error
-    elif scene.distribution == "balanced":
-        angles, force = scene.angles, loads_in_equilibrium(scene.angles, scene.vertical, scene.side)
+            raise SceneNotCoveredError(scene.name, "load", str(error), advice) from error
+    elif scene.load_distribution == "balanced":
+        angles, force = (
+            scene.contact_angles,
+            loads_in_equilibrium(scene.contact_angles, scene.vertical_force, scene.side_force_ratios),
+        )
     else:
-        rows = loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
-        angles, force = scene.angles, rows
+        rows = loads_equal_on_diagonals(scene.vertical_force, scene.side_force_ratios, scene.bearing.contact_angle)
+        angles, force = scene.contact_angles, rows
     pushes = force[..., None] * contact_directions(angles)
-    carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
+    carriage = scene.vertical_force * np.stack([scene.side_force_ratios, -np.ones_like(scene.side_force_ratios)], axis=-1)
     left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
-    return angles, force, float(np.abs(left).max()) / scene.vertical
+    return angles, force, float(np.abs(left).max()) / scene.vertical_force
 
 
 def json_rows_of_linear_balls(
-    scene: LinearScene, angles: Array, force: Array, apart: LinearChainSolution, touching: LinearChainSolution
+    scene: LinearBearingScene, angles: Array, force: Array, apart: LinearChainSolution, touching: LinearChainSolution
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
@@ -86,19 +91,19 @@ def json_rows_of_linear_balls(
     """
     rows = []
     for k in range(force.shape[0]):
-        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
-        row |= answer.load_json(CONTACTS, force[k], angles[k])
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side_force_ratios[k])}
+        row |= answer.ball_loads_json(CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", touching)):
             row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.velocity[k])
             moving = scene.bearing.speed != 0.0
-            row[f"deviation_{name}_percent"] = json_number(100.0 * r.deviation[k]) if moving else None
+            row[f"deviation_{name}_percent"] = json_number(100.0 * r.velocity_deviation[k]) if moving else None
         row["rotation_rad_s"] = [*(json_number(w) for w in touching.rotation[k]), 0.0]
         row["groove_loss_mW"] = json_number(1e3 * touching.groove_loss[k].sum())
         rows.append(row)
     return rows
 
 
-def json_rows_of_neighbouring_balls(scene: LinearScene, touching: LinearChainSolution) -> list[dict[str, Any]]:
+def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: LinearChainSolution) -> list[dict[str, Any]]:
     """Return a JSON row for each pair of neighbouring balls: their gap, and force and friction loss in their contact.
 
     ``touching``: solution with balls that touch.
@@ -110,18 +115,18 @@ def json_rows_of_neighbouring_balls(scene: LinearScene, touching: LinearChainSol
             "force_N": json_number(touching.ball_force[k]),
             "loss_mW": json_number(1e3 * touching.ball_loss[k]),
         }
-        for k, gap in enumerate(scene.gap)
+        for k, gap in enumerate(scene.ball_gaps)
     ]
 
 
-def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
+def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.FrictionAnswer:
     """Solve motion and friction of a row of balls in a linear bearing, both far apart and with balls that touch."""
-    angles, force, left = linear_loads(scene)
-    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
+    angles, force, left = linear_bearing_loads(scene)
+    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.ball_gaps <= 0.0)]
     fast = force.shape[0] > LONG
     apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
-    second = find_second_state(chains[1], near, fast) if near.status == "converged" else None
-    loads_good = scene.distribution == "diagonal" or left <= BALANCED
+    second = find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
+    loads_good = scene.load_distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = (
         json_rows_of_linear_balls(scene, angles, force, apart, near),
@@ -129,33 +134,33 @@ def solve_linear(scene: LinearScene) -> answer.FrictionAnswer:
     )
     bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     ball_loss = float(near.ball_loss.sum())
-    semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
+    semi = np.asarray(scene.bearing.contact_hertz_constants().C_a * np.cbrt(force))
     data = answer.json_entries_of_all_kinds(
         scene, near.status if loads_good else "no balance of the loads found", converged
     ) | {
         "law": "coulomb",
-        "distribution": scene.distribution,
+        "distribution": scene.load_distribution,
         "coupled": False,
         "balls": balls,
         "pairs": pairs,
-        "drive_N": json_number(near.drive),
-        "drive_apart_N": json_number(apart.drive),
+        "drive_N": json_number(near.carriage_drive_force),
+        "drive_apart_N": json_number(apart.carriage_drive_force),
         "second_state": None if second is None else jammed_equilibrium_as_json(near, second),
         "second_state_words": second_state_sentence(chains[1], second),
-        **answer.effect_of_ball_to_ball_contact(near.power, near.loss, apart.loss, ball_loss, bound),
+        **answer.ball_to_ball_contact_effect_json(near.power, near.loss, apart.loss, ball_loss, bound),
         "solver": {
             "load_imbalance": json_number(left),
-            "residual": json_number(near.residual),
-            "lag": json_number(near.lag),
+            "residual": json_number(near.largest_imbalance_ratio),
+            "lag": json_number(near.largest_closing_speed_ratio),
             "iterations": near.iterations,
         },
-        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jam_warnings(near, second)],
+        "warnings": [*size_warnings(semi, scene.bearing.ball_radius), *jammed_state_warnings(near, second)],
     }
     tables = [
         ("per ball", BALL_COLUMNS, [answer.terminal_ball_row(CONTACTS, row) for row in balls]),
         ("between balls", PAIR_COLUMNS, pairs),
     ]
-    return answer.FrictionAnswer(data, [t for t in tables if t[2]], linear_lines(data), converged)
+    return answer.FrictionAnswer(data, [t for t in tables if t[2]], lines_on_linear_bearing(data), converged)
 
 
 def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChainSolution) -> dict[str, Any]:
@@ -167,7 +172,7 @@ def jammed_equilibrium_as_json(touching: LinearChainSolution, jammed: LinearChai
     apart = np.abs(jammed.ball_force - touching.ball_force)
     other = np.flatnonzero(apart > ANOTHER * apart.max())
     pairs = [{"balls": f"{k + 1}-{k + 2}", "force_N": json_number(jammed.ball_force[k])} for k in other]
-    return {"drive_N": json_number(jammed.drive), "pairs": pairs}
+    return {"drive_N": json_number(jammed.carriage_drive_force), "pairs": pairs}
 
 
 def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None) -> str:
@@ -175,7 +180,7 @@ def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None
 
     ``chain``: the touching balls; ``jammed``: their second equilibrium, None if none was found.
     """
-    if not may_have_several_states(chain):
+    if not may_have_several_equilibria(chain):
         return "one only: no balls in reach of each other, or no friction between them"
     if jammed is None:
         return (
@@ -183,10 +188,13 @@ def second_state_sentence(chain: LinearChain, jammed: LinearChainSolution | None
             f"{' and '.join(f'{mu:g}' for mu in RISEN)}: a search, no proof"
         )
     force = float(jammed.ball_force.max())
-    return f"there is a second, jammed state: up to {force:.3g} N between balls, {jammed.drive:.3g} N drive the carriage"
+    return (
+        f"there is a second, jammed state: up to {force:.3g} N between balls, {jammed.carriage_drive_force:.3g} N drive "
+        "the carriage"
+    )
 
 
-def jam_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | None) -> list[Warned]:
+def jammed_state_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | None) -> list[ResultWarning]:
     """Return a warning if the balls have a second equilibrium, in which friction jams them; the list is empty otherwise.
 
     ``touching``: first equilibrium of the touching balls; ``jammed``: the second one, None if none was found.
@@ -196,14 +204,18 @@ def jam_warnings(touching: LinearChainSolution, jammed: LinearChainSolution | No
     most, base = jammed.ball_force.max(), touching.ball_force.max()
     text = (
         f"friction between balls allows a second state: they press on each other by up to {most:.4g} N instead of "
-        f"{base:.4g} N, and the carriage needs {jammed.drive:.6g} N instead of {touching.drive:.6g} N; which state occurs "
+        f"{base:.4g} N, and the carriage needs {jammed.carriage_drive_force:.6g} N instead of "
+        f"{touching.carriage_drive_force:.6g} N; which state occurs "
         "depends on the motion before"
     )
-    return [Warned("jam", text)]
+    return [ResultWarning("jam", text)]
 
 
-def linear_lines(data: dict[str, Any]) -> list[answer.Line]:
-    """Return terminal lines (label, text) on the balls of a linear bearing; ``data``: JSON values of `solve_linear`."""
+def lines_on_linear_bearing(data: dict[str, Any]) -> list[answer.Line]:
+    """Return terminal lines (label, text) on the balls of a linear bearing.
+
+    ``data``: JSON values of `solve_friction_of_linear_bearing`.
+    """
     rise, solver = data["friction_increase_percent"], data["solver"]
     return [
         (

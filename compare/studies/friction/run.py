@@ -9,11 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.quantities import json_number
 from rollbench.compare.running import progress_bar
 from rollbench.compare.studies.friction.answer import Line
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, ClosedTrack, StepError, TravelHistory, run_with_step_errors
+from rollbench.lowfi.friction.screw.travel import (
+    UNCLEAR,
+    ClosedTrack,
+    TimeStepErrors,
+    TravelHistory,
+    simulate_with_step_errors,
+)
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits
 from rollbench.lowfi.friction.whole.run import AGAIN, SceneInMotion, load_solver_for_travelling_balls
 from rollbench.meshes.arrays import Array
@@ -57,15 +63,15 @@ class TransientRun:
     #: Time series of contact loads, torques and motions of the balls.
     history: TravelHistory
     #: Estimated errors of the time steps; None if not estimated.
-    error: StepError | None
+    error: TimeStepErrors | None
     #: Largest error that is allowed.
-    goal: float
+    allowed_error: float
     #: Whether the scene states the number of time steps.
-    fixed: bool
+    step_count_given: bool
     #: "converged" if every step converged and no error is above the goal; else the reason why not.
     status: str
     #: Whether the answer has the history of each ball.
-    balls: bool = True
+    shows_ball_histories: bool = True
 
     @property
     def converged(self) -> bool:
@@ -95,7 +101,7 @@ def simulate_friction_over_time(
         balls = balls_in_circuits(scene, friction, motion, drawn, specimen)
     except ValueError as error:
         advice = "give the circuits more room by [circulation]"
-        raise Refusal(scene.name, "circulation", str(error), advice) from error
+        raise SceneNotCoveredError(scene.name, "circulation", str(error), advice) from error
     ahead = float(np.sign(balls.grooves.nominal_orbit - balls.grooves.nut_speed)) or 1.0
     loads = load_solver_for_travelling_balls(model, ahead)
     setting = SceneInMotion(scene, friction, motion, drawn, balls, lambda met, at: loads(scene, met, at, "compiled"))
@@ -104,7 +110,7 @@ def simulate_friction_over_time(
 
 def simulate_with_several_step_sizes(
     setting: Any, motion: Motion, time: Time, name: str
-) -> tuple[TravelHistory, StepError | None]:
+) -> tuple[TravelHistory, TimeStepErrors | None]:
     """Simulate a screw over time with several step sizes; return the time series, then its error due to finite steps.
 
     ``setting``: the screw with its balls, as the transient solver reads it; ``motion``: motion of screw or nut;
@@ -112,10 +118,10 @@ def simulate_with_several_step_sizes(
     progress bar. The error is None if it cannot be estimated.
     """
     with progress_bar(f"{name}, simulation over time") as progress:
-        return run_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
+        return simulate_with_step_errors(setting, time.span(motion), time.steps, time.goal, progress)
 
 
-def simulation_with_status(history: TravelHistory, error: StepError | None, time: Time) -> TransientRun:
+def simulation_with_status(history: TravelHistory, error: TimeStepErrors | None, time: Time) -> TransientRun:
     """Return a simulation over time together with its status: converged, or why not.
 
     ``history``: time series; ``error``: estimated error due to finite time steps, None if it is not known; ``time``:
@@ -126,10 +132,11 @@ def simulation_with_status(history: TravelHistory, error: StepError | None, time
     if history.good and error is None:
         status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
     elif error is not None and not error.is_within(time.goal):
-        name = max(error.quantities, key=lambda name: error.quantities[name].error)
-        unseen = " (no order seen)" * error.quantities[name].unclear
+        name = max(error.errors_by_quantity, key=lambda name: error.errors_by_quantity[name].error)
+        unseen = " (no order seen)" * error.errors_by_quantity[name].no_order_observed
         status = (
-            f"not converged in the step: the error of {error.steps[-1]} steps is some {100.0 * error.largest:.2g} % of the "
+            f"not converged in the step: the error of {error.step_counts[-1]} steps is some "
+            f"{100.0 * error.largest_error:.2g} % of the "
             f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
             f"{'take more steps' if time.steps else 'shorten the run'}"
         )
@@ -151,7 +158,7 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
         "steps": h.begun_step_count,
         "reached_deg": reached,
         "asked_deg": asked,
-        "step_error": None if e is None else step_error_json(e, run.goal),
+        "step_error": None if e is None else step_error_json(e, run.allowed_error),
         "step_error_unknown": why_no_step_error(run),
         "left_out": list(LEFT_OUT),
     }
@@ -168,8 +175,8 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
         }
         for t in h.setting.tracks
     ]
-    data["torque"] = run_torque_json(h)
-    data["energy"] = run_energy_json(h)
+    data["torque"] = transient_torque_json(h)
+    data["energy"] = transient_energy_json(h)
     data["over_angle"] = {
         "angle_deg": _finite_values_for_json(np.degrees(h.rotation_angle)),
         "covers_deg": _finite_values_for_json(np.degrees(h.lasts * abs(h.setting.groove.speed))),
@@ -180,17 +187,17 @@ def transient_simulation_as_json(run: TransientRun) -> dict[str, Any]:
         "axial_load_N": _finite_values_for_json(h.axial),
         "driving_torque_on_screw_Nmm": _finite_values_for_json(1e3 * h.on_screw),
     }
-    if run.balls:
+    if run.shows_ball_histories:
         data["balls"] = [ball_history_json(h, t, k) for t in h.setting.tracks for k in range(t.balls.start, t.balls.stop)]
     return data
 
 
-def step_error_json(error: StepError, goal: float) -> dict[str, Any]:
+def step_error_json(error: TimeStepErrors, goal: float) -> dict[str, Any]:
     """Return the estimated errors due to finite time steps as JSON, with order of convergence and numbers of steps.
 
     ``error``: the errors; ``goal``: largest allowed error, as a fraction of the mean torque.
     """
-    found = error.quantities
+    found = error.errors_by_quantity
     percent = {name: json_number(100.0 * found[name].error) if name in found else None for name in QUANTITIES}
     return {
         "quantity": "friction torque over the angle: mean absolute error, as a part of the mean torque",
@@ -200,10 +207,10 @@ def step_error_json(error: StepError, goal: float) -> dict[str, Any]:
         "least_torque_percent": percent["least"],
         "ball_to_ball_most_percent": percent["share"],
         "observed_order": json_number(found["torque"].order),
-        "order_used": json_number(found["torque"].used),
+        "order_used": json_number(found["torque"].order_used),
         "observed_orders": {name: json_number(q.order) for name, q in found.items()},
-        "no_order_seen": list(error.unclear),
-        "steps": list(error.steps),
+        "no_order_seen": list(error.quantities_without_order),
+        "steps": list(error.step_counts),
         "goal_percent": json_number(100.0 * goal),
         "small": error.is_within(goal),
     }
@@ -218,7 +225,7 @@ def why_no_step_error(run: TransientRun) -> str | None:
     return "a step did not converge" if run.history.reached_end else "the run stopped before its end"
 
 
-def run_energy_json(history: TravelHistory) -> dict[str, Any]:
+def transient_energy_json(history: TravelHistory) -> dict[str, Any]:
     """Return the energies of a simulation over time [J], and their largest imbalances, as JSON.
 
     Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each
@@ -238,7 +245,7 @@ def run_energy_json(history: TravelHistory) -> dict[str, Any]:
     }
 
 
-def run_torque_json(history: TravelHistory) -> dict[str, Any]:
+def transient_torque_json(history: TravelHistory) -> dict[str, Any]:
     """Return the friction torque in a simulation over time [N mm] as JSON: mean, extremes, and contributions.
 
     The contributions are those of the contacts with the grooves and of the contacts between balls.
@@ -301,10 +308,10 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
     h, e = run.history, run.error
     if not h.begun_step_count:
         return [("run", run.status)]
-    t = run_torque_json(h)
+    t = transient_torque_json(h)
     reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
     far = f"over {reached}" if h.reached_end else f"stopped at {reached} of {asked},"
-    digits = f".{significant_digits(None if e is None else e.largest)}g"
+    digits = f".{digits_for_relative_error(None if e is None else e.largest_error)}g"
     mean, least, most, groove, between = (
         format(t[f"{name}_Nmm"], digits) for name in ("mean", "least", "most", "groove_mean", "ball_to_ball_mean")
     )
@@ -317,21 +324,22 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
     if e is None:
         lines.append(("steps", f"error unknown, {why_no_step_error(run)}"))
     else:
-        size = ", ".join(f"{100.0 * q.error:.2g} % in {QUANTITIES[name]}" for name, q in e.quantities.items())
-        order = e.quantities["torque"].order
+        size = ", ".join(f"{100.0 * q.error:.2g} % in {QUANTITIES[name]}" for name, q in e.errors_by_quantity.items())
+        order = e.errors_by_quantity["torque"].order
         seen = "no order observed" if math.isnan(order) else f"order {order:.2g} observed"
         text = (
-            f"error of the steps, as a part of the mean torque: {size}; from {', '.join(str(n) for n in e.steps)} steps "
-            f"({seen}); goal {100.0 * run.goal:g} %"
+            f"error of the steps, as a part of the mean torque: {size}; from {', '.join(str(n) for n in e.step_counts)} "
+            "steps "
+            f"({seen}); goal {100.0 * run.allowed_error:g} %"
         )
         lines.append(("steps", text))
-        if e.unclear:
-            names = ", ".join(QUANTITIES[name] for name in e.unclear)
+        if e.quantities_without_order:
+            names = ", ".join(QUANTITIES[name] for name in e.quantities_without_order)
             lines.append(("", f"no order of convergence in {names}: {UNCLEAR:g} times the change between these is taken"))
     return lines if run.converged else [*lines, ("", run.status)]
 
 
-def significant_digits(error: float | None) -> int:
+def digits_for_relative_error(error: float | None) -> int:
     """Return the number of digits to show for a value, from 3 to 6, so that at most two digits are uncertain.
 
     ``error``: relative error of the value; None if it is not known.

@@ -14,16 +14,16 @@ import numpy as np
 
 from rollbench.compare import quantities
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.answers import AxisAnswers, solve_assembly_with_results
-from rollbench.compare.models.friction_sums import friction_sums_json
+from rollbench.compare.models.answers import ShaftResults, solve_assembly_with_results
+from rollbench.compare.models.friction_sums import friction_results_json
 from rollbench.compare.models.load_cases import motor_torques_and_inertias
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.quantities import format_range, json_number
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer
-from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, power_balance, three_digits
+from rollbench.compare.studies.friction.answer import NOTHING, FrictionAnswer, format_three_digits, power_balance_json
 from rollbench.compare.studies.friction.whole import (
     NO_SPEED,
     FrictionChoices,
@@ -64,7 +64,7 @@ def solve_friction_of_named_scene(name: str, choices: FrictionChoices, say: Say 
     InputError
         If the scene cannot be read, or the choices do not fit it.
     """
-    scene = catalogue.any_scene(name)
+    scene = catalogue.scene_of_any_kind(name)
     return solve_friction_of_scene(scene, choices, f"a choice of these for {name}", say)
 
 
@@ -97,9 +97,9 @@ def solve_friction_of_scene(
     if isinstance(scene, Scene):
         return solve_friction_of_screw_or_bearing(scene, choices, say)
     if isinstance(scene, DutyCycle):
-        return solve_cycle(scene, choices)
+        return solve_friction_of_duty_cycle(scene, choices)
     if isinstance(scene, Assembly):
-        return solve_axis(scene, choices)
+        return solve_friction_of_shaft(scene, choices)
     if choices != FrictionChoices():
         advice = "leave these arguments out: a scene of single parts states its loads and coefficients of friction"
         given = "model, mu, member, condensed"
@@ -115,10 +115,12 @@ def friction_for_library(scene: Described, mu: tuple[float, ...], model: str) ->
     ``mu``: coefficients of friction that replace the scene's, empty for those of the scene; ``model``: name of the static
     model, empty for the default.
     """
-    return answer_json(solve_friction_of_scene(scene, FrictionChoices(model, mu), f"a choice of these for {scene.name}"))
+    return friction_answer_json(
+        solve_friction_of_scene(scene, FrictionChoices(model, mu), f"a choice of these for {scene.name}")
+    )
 
 
-def answer_json(found: FrictionAnswer) -> dict[str, Any]:
+def friction_answer_json(found: FrictionAnswer) -> dict[str, Any]:
     """Return the JSON values of the friction of a scene, with the warning that the terminal shows above them."""
     return found.data | {"warning": found.warning or None}
 
@@ -155,7 +157,7 @@ OVER_COLUMNS: tuple[Column, ...] = (
 SolvedSets = list[tuple[int, SetResult, FrictionState]]
 
 
-def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_shaft(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every nut and ball bearing on a shaft, and the torque that turns the shaft.
 
     ``choices``: model, coefficients of friction and number of the specimen (draw of random errors). Raises InputError
@@ -179,9 +181,9 @@ def solve_axis(assembly: Assembly, choices: FrictionChoices) -> FrictionAnswer:
         )
     if not pairs:
         solved: SolvedSets = []
-        return _axis_answer(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
+        return _answer_on_shaft(head, assembly, result, answers, (Friction(0.0, 0.0), motion, solved, {}))
     each = [_friction_of_nuts_and_bearings(result, friction, motion) for friction in pairs]
-    found = _axis_answer(
+    found = _answer_on_shaft(
         head,
         assembly,
         result,
@@ -233,11 +235,11 @@ def _drag_torques_of_nuts_and_bearings(
     """
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
     bare = replace(assembly, loads=(), housings=idle)
-    result = run_model(bare, loaded.model, Options(member=loaded.member))
+    result = run_model(bare, loaded.model, ModelOptions(member=loaded.member))
     if not result.converged:
         return {}
     return {
-        i: state.torque.friction
+        i: state.friction_sums.friction_torque
         for i, _, state in _friction_of_nuts_and_bearings(result, friction, motion)
         if state.all_balanced
     }
@@ -251,16 +253,16 @@ def _json_row_of_nut_or_bearing(i: int, s: SetResult, state: FrictionState, drag
     """
     return (
         {"set": i + 1, "name": s.of.name}
-        | friction_sums_json(state.torque, drag)
-        | {"loss_W": json_number(state.torque.power)}
+        | friction_results_json(state.friction_sums, drag)
+        | {"loss_W": json_number(state.friction_sums.power)}
     )
 
 
-def _axis_answer(
+def _answer_on_shaft(
     head: dict[str, str],
     assembly: Assembly,
     result: AxisResult,
-    answers: AxisAnswers,
+    answers: ShaftResults,
     found: tuple[Friction, Motion, SolvedSets, dict[int, float]],
 ) -> FrictionAnswer:
     """Return the friction of a shaft with several nuts and bearings as JSON values, tables and text lines.
@@ -271,7 +273,9 @@ def _axis_answer(
     """
     friction, motion, solved, drag = found
     nuts = {
-        i: (friction_sums_json(x.torque, None) if x.all_balanced else None, "") for i, s, x in solved if _lead_of_nut(s)
+        i: (friction_results_json(x.friction_sums, None) if x.all_balanced else None, "")
+        for i, s, x in solved
+        if _lead_of_nut(s)
     }
     drive = quantities.record_as_json(motor_torques_and_inertias(assembly, result, answers, nuts))
     rows = [_json_row_of_nut_or_bearing(i, s, state, drag.get(i)) for i, s, state in solved]
@@ -296,7 +300,7 @@ def _axis_answer(
         "balls": balls,
         "torque": torque,
         "drive": drive,
-        "losses": {"total_W": json_number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "losses": {"total_W": json_number(sum(x.friction_sums.power for _, _, x in solved)), "by_contact_W": losses},
         "energy": power,
         "assumed": [
             *friction.assumed,
@@ -313,10 +317,10 @@ def _axis_answer(
     of_balls = (
         "torque",
         f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
-        f"sets of balls; their friction torque {three_digits(torque['friction_torque_Nmm'])} N mm",
+        f"sets of balls; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.line_on_remaining_imbalance(
-        result.solver.residual, max((x.balls.left for _, _, x in solved), default=0.0)
+        result.solver.residual, max((x.ball_friction.largest_imbalance_ratio for _, _, x in solved), default=0.0)
     )
     lines = [*([of_balls] if solved else []), left]
     tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
@@ -338,12 +342,12 @@ def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
     Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads.
     The efficiency is None unless the torque moves the load, or the load drives the torque. All are JSON values.
     """
-    torques = [x.torque for _, _, x in solved]
-    turning = float(np.sum([t.on_screw * t.speed for t in torques]))
-    along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
+    torques = [x.friction_sums for _, _, x in solved]
+    turning = float(np.sum([t.driving_torque_on_screw * t.speed for t in torques]))
+    along = float(np.sum([t.axial_load * t.advance_per_radian * t.speed for t in torques]))
     taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
     driving, driven = max(turning, along), min(turning, along)
-    return power_balance(taken, lost) | {
+    return power_balance_json(taken, lost) | {
         "axial_load_power_W": json_number(along),
         "torque_power_W": json_number(turning),
         "efficiency_percent": json_number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
@@ -358,9 +362,11 @@ def _summed_torques(solved: SolvedSets, drag: dict[int, float]) -> dict[str, Any
     """
     known = len(drag) == len(solved)
     return {
-        "friction_torque_Nmm": json_number(1e3 * float(np.sum([x.torque.friction for _, _, x in solved]))),
+        "friction_torque_Nmm": json_number(1e3 * float(np.sum([x.friction_sums.friction_torque for _, _, x in solved]))),
         "drag_torque_Nmm": json_number(1e3 * sum(drag.values())) if known else None,
-        "driving_torque_on_screw_Nmm": json_number(1e3 * float(np.sum([x.torque.on_screw for _, _, x in solved]))),
+        "driving_torque_on_screw_Nmm": json_number(
+            1e3 * float(np.sum([x.friction_sums.driving_torque_on_screw for _, _, x in solved]))
+        ),
     }
 
 
@@ -375,7 +381,7 @@ COLUMNS = (
 )
 
 
-def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
+def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
     """Compute the friction of every load case of a duty cycle, and the mean friction torque over all revolutions.
 
     The mean torque is the work of friction over the angle of all revolutions. If a load case does not converge, the
@@ -385,7 +391,7 @@ def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
     each = [
         (
             case,
-            solve_axis(scene, choices)
+            solve_friction_of_shaft(scene, choices)
             if isinstance(scene := case.scene, Assembly)
             else solve_friction_of_screw_or_bearing(scene, choices),
         )
@@ -401,8 +407,10 @@ def solve_cycle(cycle: DutyCycle, choices: FrictionChoices) -> FrictionAnswer:
     needed = [row["friction_torque_Nmm"] if row["case"] not in failed else None for row in rows if row["share"] > 0.0]
     mean = None if None in needed else sum(row["share"] * row["friction_torque_Nmm"] for row in rows if row["share"] > 0.0)
     words = "" if mean is not None else f"none, because case {failed[0]} has no friction" if failed else "no load"
-    largest = "none" if worst is None else f"{three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
-    known_mean = words if mean is None else f"{three_digits(mean)} N mm"
+    largest = (
+        "none" if worst is None else f"{format_three_digits(worst['friction_torque_Nmm'])} N mm in case {worst['case']}"
+    )
+    known_mean = words if mean is None else f"{format_three_digits(mean)} N mm"
     lines = [("torque", f"largest of friction {largest}; mean over the duty cycle {known_mean}")]
     for case, one in each:
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]

@@ -15,17 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, InputError, Refusal
-from rollbench.compare.models.answers import rate_contact_loads, validity_warnings
-from rollbench.compare.models.friction_sums import friction_sums_json
+from rollbench.compare.errors import ArgumentError, InputError, SceneNotCoveredError
+from rollbench.compare.models.answers import results_of_contact_loads, validity_warnings
+from rollbench.compare.models.friction_sums import friction_results_json
 from rollbench.compare.models.loading import preload_from_unloaded
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
 from rollbench.compare.quantities import count_with_noun, json_number, record_as_json
 from rollbench.compare.results.data import FrictionOnset
 from rollbench.compare.running import FIRST
 from rollbench.compare.scenes.scene_file import kind_of_scene
 from rollbench.compare.studies.friction import answer as output
-from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, power_balance, three_digits
+from rollbench.compare.studies.friction.answer import FrictionAnswer, Line, format_three_digits, power_balance_json
 from rollbench.compare.studies.friction.run import (
     TransientRun,
     lines_on_simulation,
@@ -38,7 +38,7 @@ from rollbench.lowfi.friction.whole.losses import WIDE, heathcote_loss_increase
 from rollbench.lowfi.friction.whole.state import FrictionState, friction_state
 from rollbench.lowfi.friction.whole.torque import ONE_TURN
 from rollbench.lowfi.statics.result import StaticResult
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.cache import cached_on_disk
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, BallErrors, Friction, Motion, Scene, SideErrors, Support
@@ -81,13 +81,13 @@ class StaticallySolvedPart:
     #: Name of the model.
     model: str
     #: Options of the model.
-    options: Options
+    options: ModelOptions
     #: Coefficients of friction.
     friction: Friction
     #: Motion of screw or nut.
     motion: Motion
     #: Static result without the loads of the scene.
-    bare: StaticResult
+    unloaded_result: StaticResult
 
     def torque(self, result: StaticResult, friction: Friction, scene: Scene | None = None) -> float:
         """Return the friction torque [N m] at the contact loads of a static result.
@@ -99,10 +99,10 @@ class StaticallySolvedPart:
         if not result.converged:
             return float("nan")
         state = cached_friction_state(scene or self.scene, result, friction, self.motion, self.options.member)
-        return state.torque.friction if state.all_balanced else float("nan")
+        return state.friction_sums.friction_torque if state.all_balanced else float("nan")
 
 
-def makers_drag_torque(scene: Scene, force: float) -> float:
+def drag_torque_by_makers_formula(scene: Scene, force: float) -> float:
     """Return the drag torque of a screw by the makers' formula, 0.05/sqrt(tan(lead angle)) F l/(2 pi), l being the lead.
 
     Parameters
@@ -124,20 +124,23 @@ def torques_at_measured_coefficients(solved: StaticallySolvedPart, result: Stati
     """Return friction torques [N mm] at the smallest and largest measured coefficient of friction (`MEASURED`) as JSON.
 
     The JSON values have the torques under the scene's loads, the drag torques (friction torques without these loads),
-    the axial preload [N], and the drag torque by the makers' formula `makers_drag_torque`. Preload and drag torques are
-    null for a scene without preload. ``solved``: the scene with its static result without loads; ``result``: static
-    result under the loads.
+    the axial preload [N], and the drag torque by the makers' formula `drag_torque_by_makers_formula`. Preload and drag
+    torques are null for a scene without preload. ``solved``: the scene with its static result without loads; ``result``:
+    static result under the loads.
     """
-    scene, held = solved.scene, preload_from_unloaded(solved.scene, solved.bare) if solved.bare.converged else None
+    scene, held = (
+        solved.scene,
+        preload_from_unloaded(solved.scene, solved.unloaded_result) if solved.unloaded_result.converged else None,
+    )
     ends = [replace(solved.friction, screw=mu, nut=mu, balls=None) for mu in MEASURED]
     pressed = held is not None and held.axial > 0.0 and scene.track.lead > 0.0
-    drags = [1e3 * solved.torque(solved.bare, end) for end in ends] if pressed else []
+    drags = [1e3 * solved.torque(solved.unloaded_result, end) for end in ends] if pressed else []
     return {
         "coefficients": list(MEASURED),
         "friction_torque_Nmm": [json_number(1e3 * solved.torque(result, end)) for end in ends],
         "drag_torque_Nmm": [json_number(x) for x in drags] if drags else None,
         "preload_N": json_number(held.axial) if held is not None and pressed else None,
-        "makers_formula_Nmm": json_number(1e3 * makers_drag_torque(scene, held.axial))
+        "makers_formula_Nmm": json_number(1e3 * drag_torque_by_makers_formula(scene, held.axial))
         if held is not None and pressed
         else None,
     }
@@ -154,7 +157,7 @@ def lines_on_drag_torque(data: dict[str, Any]) -> list[Line]:
         f"without load {_torques_joined_by_to(data['drag_torque_Nmm'])} N mm at coefficients of friction from "
         f"{MEASURED[0]:g} "
         f"to {MEASURED[1]:g}; makers' formula 0.05/sqrt(tan(lead angle)) F l/(2 pi) for the preload of "
-        f"{data['preload_N']:.4g} N: {three_digits(data['makers_formula_Nmm'])} N mm"
+        f"{data['preload_N']:.4g} N: {format_three_digits(data['makers_formula_Nmm'])} N mm"
     )
     return [("drag", text)]
 
@@ -177,20 +180,20 @@ def torque_with_play(solved: StaticallySolvedPart, state: FrictionState) -> dict
     with its static result without loads; ``state``: friction with the balls of the scene.
     """
     scene = solved.scene
-    if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.bare.load > 0.0).any():
+    if not gives_neither_play_nor_preload(scene) or not state.loaded or (solved.unloaded_result.load > 0.0).any():
         return None
     balls = replace(scene.errors.balls, oversize=-SMALLER)
     smaller = replace(scene, errors=replace(scene.errors, balls=balls))
-    options = replace(solved.options, discretisation=False)
+    options = replace(solved.options, estimate_beam_mesh_error=False)
     torque = solved.torque(run_model(smaller, solved.model, options), solved.friction, smaller)
     return {
         "smaller_by_um": 1e6 * SMALLER,
         "friction_torque_Nmm": json_number(1e3 * torque),
-        "friction_torque_as_given_Nmm": json_number(1e3 * state.torque.friction),
+        "friction_torque_as_given_Nmm": json_number(1e3 * state.friction_sums.friction_torque),
     }
 
 
-def play_warning(data: dict[str, Any]) -> Warned:
+def play_warning(data: dict[str, Any]) -> ResultWarning:
     """Return a warning that the scene states neither play nor preload, with the friction torques with and without play.
 
     ``data``: JSON values of `torque_with_play`.
@@ -202,7 +205,7 @@ def play_warning(data: dict[str, Any]) -> Warned:
         f"{data['friction_torque_as_given_Nmm']:.4g} N mm with balls that fit exactly, {other} with balls "
         f"{data['smaller_by_um']:g} um smaller in radius; state [errors.balls] oversize or a preload"
     )
-    return Warned("play", text, text)
+    return ResultWarning("play", text, text)
 
 
 #: Factors on the geometric errors that are tried to find where neighbouring balls touch, and number of bisections between
@@ -243,7 +246,7 @@ def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> Fri
         scene = with_scaled_errors(solved.scene, factor)
         options = solved.options if scene.errors.random else replace(solved.options, member=0)
         loads = run_model(scene, solved.model, options)
-        return loads.converged and contact_onset(scene, loads, drive=solved.motion).touch
+        return loads.converged and contact_onset(scene, loads, drive=solved.motion).touches_under_load
 
     try:
         standing, rolling = (contact_onset(solved.scene, result, idle, solved.motion) for idle in (0.0, 1.0))
@@ -254,22 +257,22 @@ def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> Fri
         factor = (
             0.0
             if touch_with_errors(0.0)
-            else next((x for x in FACTORS if (standing.touch if x == 1.0 else touch_with_errors(x))), None)
+            else next((x for x in FACTORS if (standing.touches_under_load if x == 1.0 else touch_with_errors(x))), None)
         )
     if factor:
         low = 0.5 * factor if factor > FACTORS[0] else 0.0
         for _ in range(HALVINGS):
             middle = 0.5 * (low + factor)
             low, factor = (low, middle) if touch_with_errors(middle) else (middle, factor)
-    meets = bool(np.isfinite(standing.first))
+    meets = bool(np.isfinite(standing.rotation_to_first_meeting))
     return FrictionOnset(
-        touch=standing.touch,
-        first=standing.first if meets else None,
-        ball=int(standing.pair[standing.meeting.argmin(), 0]) + 1 if meets else None,
-        rolling=rolling.first if np.isfinite(rolling.first) else None,
-        closing=int(np.isfinite(standing.meeting).sum()),
-        pairs=len(standing.pair),
-        unloaded=int((standing.loaded == 0.0).sum()),
+        touch=standing.touches_under_load,
+        first=standing.rotation_to_first_meeting if meets else None,
+        ball=int(standing.neighbour_pairs[standing.rotation_to_meeting.argmin(), 0]) + 1 if meets else None,
+        rolling=rolling.rotation_to_first_meeting if np.isfinite(rolling.rotation_to_first_meeting) else None,
+        closing=int(np.isfinite(standing.rotation_to_meeting).sum()),
+        pairs=len(standing.neighbour_pairs),
+        unloaded=int((standing.contact_load_sums == 0.0).sum()),
         factor=factor,
     )
 
@@ -282,7 +285,7 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     """
 
     def angle_text(value: float | None) -> str:
-        return "never" if value is None else f"after {three_digits(np.degrees(value))} deg of the {turns}"
+        return "never" if value is None else f"after {format_three_digits(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if onset.touch else 'do not touch'}"
     if onset.first is None:
@@ -306,19 +309,19 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     return "touch", text
 
 
-def feedback_warnings(state: FrictionState) -> list[Warned]:
+def feedback_warnings(state: FrictionState) -> list[ResultWarning]:
     """Return a warning if balls displaced by friction raise the friction torque by a factor of more than `FED_BACK`.
 
     The list is empty otherwise. ``state``: friction of a screw or bearing.
     """
-    alone, found = state.bare.friction, state.torque.friction
-    if not state.coupled or not alone > 0.0 or found <= FED_BACK * alone:
+    alone, found = state.sums_without_feedback.friction_torque, state.friction_sums.friction_torque
+    if not state.friction_changes_loads or not alone > 0.0 or found <= FED_BACK * alone:
         return []
     text = (
         f"friction that moves the balls across their grooves raises the torque {found / alone:.2g} times, from "
         f"{1e3 * alone:.4g} to {1e3 * found:.4g} N mm; without that: feedback = false"
     )
-    return [Warned("feedback", text)]
+    return [ResultWarning("feedback", text)]
 
 
 #: Largest allowed coefficient of friction.
@@ -352,7 +355,7 @@ class DragTorque:
     #: Torque [N m]; None if it has no meaning or was not found.
     torque: float | None
     #: Reason why there is no torque.
-    reason: str = ""
+    reason_without_torque: str = ""
     #: Note on how the screw was released axially, if its supports would preload it.
     note: str = ""
 
@@ -410,7 +413,7 @@ def solve_friction_of_screw_or_bearing(
         allowed = "such a file only with the model condensed"
         advice = "leave `model` out: the file selects the model condensed"
         raise ArgumentError("condensed", f"{choices.condensed} with the model {model}", allowed, advice)
-    options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
+    options = ModelOptions(member=choices.member, condensed_bodies_file=choices.condensed, estimate_beam_mesh_error=False)
     begin = monotonic()
     result = run_model(scene, model, options)
     named = {"scene": scene.name, "title": scene.title, "kind": kind_of_scene(scene), "model": result.model}
@@ -423,11 +426,14 @@ def solve_friction_of_screw_or_bearing(
     try:
         states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
-        raise Refusal(
+        raise SceneNotCoveredError(
             scene.name, "balls", str(error), "increase the angles between the balls, or set neighbours = false"
         ) from error
     if states[0].all_balanced and monotonic() - begin > FIRST:
-        say(f"friction torque {three_digits(1e3 * states[0].torque.friction)} N mm; drag and band follow")
+        say(
+            f"friction torque {format_three_digits(1e3 * states[0].friction_sums.friction_torque)} N mm; drag and band "
+            "follow"
+        )
     bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
     answer = _build_friction_answer(
@@ -459,7 +465,7 @@ def has_loads(scene: Scene) -> bool:
 
 
 def drag_torques(
-    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: Options
+    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], unloaded: StaticResult, options: ModelOptions
 ) -> list[DragTorque]:
     """Compute the friction torque without the scene's loads (drag torque), for each pair of friction coefficients.
 
@@ -500,15 +506,15 @@ def drag_torques(
         without = friction_of(bare, unloaded)
     if isinstance(without, str):
         return [DragTorque(None, without)] * len(pairs)
-    if not any(state.torque.moves_axial_load for state in without):
-        return [drag_of_state(state) for state in without]
-    pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
+    if not any(state.friction_sums.moves_axial_load for state in without):
+        return [drag_torque_of_state(state) for state in without]
+    pressed = f"its supports press it with {without[0].friction_sums.axial_load:.4g} N along its axis"
     freed = replace(bare, supports=without_axial_supports(scene.supports))
     let_go = friction_of(freed, run_model(freed, unloaded.model, options))
     if isinstance(let_go, str):
         return [DragTorque(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
     note = f"the screw left free along its axis: {pressed}"
-    return [replace(drag_of_state(state), note=note) for state in let_go]
+    return [replace(drag_torque_of_state(state), note=note) for state in let_go]
 
 
 def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
@@ -520,23 +526,28 @@ def without_axial_supports(supports: Sequence[Support]) -> tuple[Support, ...]:
     return tuple(s for s in freed if s.fixed)
 
 
-def drag_of_state(state: FrictionState) -> DragTorque:
+def drag_torque_of_state(state: FrictionState) -> DragTorque:
     """Return the drag torque from the friction of an unloaded screw, or the reason why there is none.
 
     ``state``: friction of the screw without axial load.
     """
-    return DragTorque(state.torque.friction) if state.all_balanced else DragTorque(None, "no balance of friction found")
+    return (
+        DragTorque(state.friction_sums.friction_torque)
+        if state.all_balanced
+        else DragTorque(None, "no balance of friction found")
+    )
 
 
 def friction_status(state: FrictionState) -> str:
     """Return the status of the friction of a screw or bearing: "converged", or what failed on which balls."""
-    failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
+    failed = [str(i + 1) for i, word in enumerate(state.ball_friction.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {count_with_noun(len(failed), 'ball')}: {', '.join(failed[:8])}"
-    if state.unsettled:
-        numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
+    if state.unsettled_balls:
+        numbers = ", ".join(str(k + 1) for k in state.unsettled_balls[:8])
         return (
-            f"friction and place do not agree on {count_with_noun(len(state.unsettled), 'ball')}: {numbers}; see feedback "
+            f"friction and place do not agree on {count_with_noun(len(state.unsettled_balls), 'ball')}: {numbers}; see "
+            "feedback "
             "= false"
         )
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
@@ -568,19 +579,19 @@ def _build_friction_answer(
     motion = scene.motion or ONE_TURN
     good = all(s.all_balanced for s in solved[1])
     status = friction_status(next((s for s in solved[1] if not s.all_balanced), state))
-    torque = friction_sums_json(state.torque, drag.torque)
+    torque = friction_results_json(state.friction_sums, drag.torque)
     rows, losses = output.json_rows_of_balls(result, state), output.losses_by_contact_and_cause(state)
     over = [output.torque_row_for_coefficients(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_friction_assumptions(scene, result)]
     wide, played = torques_at_measured_coefficients(unloaded, result), torque_with_play(unloaded, state)
     near = onset_of_touching(unloaded, result) if state.loaded else None
-    held = preload_from_unloaded(scene, unloaded.bare).axial if unloaded.bare.converged else 0.0
-    e, slip = state.torque, heathcote_loss_increase(scene, state.at, state.balls, friction, motion)
+    held = preload_from_unloaded(scene, unloaded.unloaded_result).axial if unloaded.unloaded_result.converged else 0.0
+    e, slip = state.friction_sums, heathcote_loss_increase(scene, state.contacts, state.ball_friction, friction, motion)
     data = head | {
         "status": status,
         "converged": good,
         "law": "coulomb",
-        "coupled": state.coupled,
+        "coupled": state.friction_changes_loads,
         "friction": {"screw": friction.screw, "nut": friction.nut},
         "motion": {"turns": motion.turns, "speed_rad_s": json_number(motion.speed)},
         "balls": rows,
@@ -588,32 +599,34 @@ def _build_friction_answer(
         "band": wide,
         "onset": record_as_json(near),
         "play": played,
-        "drag_unknown": drag.reason or None,
+        "drag_unknown": drag.reason_without_torque or None,
         "drag_note": drag.note or None,
         "over_friction": over,
         "losses": {
             "total_W": json_number(e.power),
             "by_contact_W": losses,
-            "between_balls_W": json_number(0.0 if state.neighbours is None else state.neighbours.power),
+            "between_balls_W": json_number(
+                0.0 if state.neighbour_friction is None else state.neighbour_friction.power_lost_between_balls
+            ),
             "heathcote_percent": json_number(100.0 * slip),
         },
-        "energy": power_balance(e.input_power, e.power)
+        "energy": power_balance_json(e.input_power, e.power)
         | {
-            "axial_load_power_W": json_number(e.load * e.ratio * e.speed),
-            "torque_power_W": json_number(e.on_screw * e.speed),
+            "axial_load_power_W": json_number(e.axial_load * e.advance_per_radian * e.speed),
+            "torque_power_W": json_number(e.driving_torque_on_screw * e.speed),
         },
         "feedback": {
-            "friction_torque_without_Nmm": json_number(1e3 * state.bare.friction),
-            "unsettled_balls": len(state.unsettled),
-            "axial_friction_on_screw_N": json_number(e.pull),
+            "friction_torque_without_Nmm": json_number(1e3 * state.sums_without_feedback.friction_torque),
+            "unsettled_balls": len(state.unsettled_balls),
+            "axial_friction_on_screw_N": json_number(e.axial_friction_on_screw),
             "balls_touching": output.ball_to_ball_forces_as_json(state),
-            "friction_over_load": json_number(e.tilt),
+            "friction_over_load": json_number(e.cross_groove_friction_ratio),
         },
         "solver": {
             "static_residual": json_number(result.solver.residual),
-            "friction_imbalance": json_number(state.balls.left),
+            "friction_imbalance": json_number(state.ball_friction.largest_imbalance_ratio),
             "feedback_change": json_number(state.change),
-            "second_states": None if state.second is None else [k + 1 for k in state.second],
+            "second_states": None if state.jammed_balls is None else [k + 1 for k in state.jammed_balls],
         },
         "assumed": assumed,
         "left_out": output.effects_neglected_at_one_instant(friction),
@@ -625,10 +638,10 @@ def _build_friction_answer(
                 *([] if played is None else [play_warning(played)]),
                 *result.warnings,
                 *validity_warnings(
-                    scene, rate_contact_loads(scene, result.load, result.contact_angle, result.member), held
+                    scene, results_of_contact_loads(scene, result.load, result.contact_angle, result.member), held
                 ),
                 *feedback_warnings(state),
-                *output.slip_warnings(slip),
+                *output.heathcote_slip_warnings(slip),
             ),
         ),
     }
@@ -639,18 +652,18 @@ def _build_friction_answer(
         tables.append(("over the coefficient of friction", output.coefficient_columns(kind_of_scene(scene)), over))
     every = [("per ball", output.BALL_COLUMNS, output.terminal_ball_rows(rows))] if state.loaded else []
     lines = [
-        *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason or drag.note)),
+        *output.lines_on_friction_of_screw(motion, state, (drag.torque, drag.reason_without_torque or drag.note)),
         *(lines_on_drag_torque(wide) if state.loaded else ()),
     ]
     if near is not None:
         lines.append(
             line_on_ball_to_ball_contact(
                 near,
-                "inner ring" if state.torque.ratio == 0.0 and motion.turns == "screw" else motion.turns,
+                "inner ring" if state.friction_sums.advance_per_radian == 0.0 and motion.turns == "screw" else motion.turns,
                 with_scaled_errors(scene, 0.0) != scene,
             )
         )
-    lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.balls.left))
-    if e.friction and slip <= WIDE:
-        lines.append(("slip", "contacts are not flat: " + output.slip_clause(slip)))
+    lines.append(output.line_on_remaining_imbalance(result.solver.residual, state.ball_friction.largest_imbalance_ratio))
+    if e.friction_torque and slip <= WIDE:
+        lines.append(("slip", "contacts are not flat: " + output.heathcote_slip_clause(slip)))
     return FrictionAnswer(data, tables, lines, good, every)

@@ -20,19 +20,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.compare.measure import mean_load
-from rollbench.compare.models.loading import scale_loads
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.jit import STATICS, load_kernel_package
-from rollbench.lowfi.statics.contacts import hertz_C
-from rollbench.lowfi.statics.elastic import ElasticMembers, shared
-from rollbench.lowfi.statics.held import free_motions
-from rollbench.lowfi.statics.kernel_types import MemberArrays, MemberStates
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
+from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, can_share_equations
+from rollbench.lowfi.statics.held import find_unresisted_motions
+from rollbench.lowfi.statics.kernel_types import SpecimenArrays, SpecimenSolutions
 from rollbench.lowfi.statics.nominal import nominal_contacts
-from rollbench.lowfi.statics.problem import Problem, build_problem, centre_distances, lever_arms
-from rollbench.lowfi.statics.result import AxisResult, Solved, StaticResult
-from rollbench.lowfi.statics.selection import choose_sides, flanks_of_scene, solutions_clear_of_left_out_flanks
+from rollbench.lowfi.statics.problem import (
+    Problem,
+    build_problem,
+    centre_vectors_and_interference,
+    flank_motions_of_specimens,
+)
+from rollbench.lowfi.statics.result import AxisResult, StaticResult, StaticSolution
+from rollbench.lowfi.statics.selection import choose_flanks, flanks_of_scene, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.lowfi.statics.static import (
@@ -47,9 +52,9 @@ from rollbench.lowfi.statics.static import (
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly
 from rollbench.meshes.errors import (
-    Specimens,
-    draw_specimen,
-    draw_specimens,
+    GeometriesWithErrors,
+    draw_geometries_with_errors,
+    draw_geometry_with_errors,
     have_equal_circular_grooves,
     scene_without_random_errors,
 )
@@ -77,7 +82,7 @@ CHUNK = 96
 
 
 @dataclass(frozen=True)
-class EnsembleResult:
+class RandomDrawsResult:
     """Contact loads of a scene for M random draws of its geometric errors; each draw is called a specimen."""
 
     #: Contact loads, (M, N, 4) [N]; nan without equilibrium.
@@ -87,11 +92,11 @@ class EnsembleResult:
     #: Relative residual of each specimen's equations, (M,).
     residuals: Array
     #: Sum of the scene's loads times the displacements of their points of action, (M,) [J].
-    works: Array
+    works_of_loads: Array
     #: Number of specimens in which contacts on all four flanks had to be considered.
-    all_sides: int
+    all_flanks_count: int
     #: Number of specimens that were solved one by one with ``solve_static``, not together.
-    general: int
+    singly_solved_count: int
 
     @property
     def converged(self) -> NDArray[np.bool_]:
@@ -99,7 +104,7 @@ class EnsembleResult:
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
-def is_solved_in_one_pass(scene: Scene) -> bool:
+def can_share_one_system_of_equations(scene: Scene) -> bool:
     """Return whether many random draws of the scene's geometric errors can be solved together, by one system of equations.
 
     This is so if the errors are those of ball sizes, pitch and roundness only, so that flanks are exact circular arcs, and
@@ -108,7 +113,7 @@ def is_solved_in_one_pass(scene: Scene) -> bool:
     return have_equal_circular_grooves(scene) and scene.ingredients.hertz != "actual"
 
 
-def solve_random_specimens(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
+def solve_random_draws(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> RandomDrawsResult:
     """Solve many random draws of a scene's geometric errors (specimens); each has the contact loads of ``solve_static``.
 
     Parameters
@@ -124,18 +129,18 @@ def solve_random_specimens(scene: Scene, members: int | None = None, first: int 
 
     Returns
     -------
-    EnsembleResult
+    RandomDrawsResult
         Contact loads; ``statuses`` shows which specimens have no solution.
     """
     count = scene.members if members is None else members
-    batch = _SpecimenBatch(scene, count, first, threads)
-    all_sides = batch.solve() if is_solved_in_one_pass(scene) else 0
+    batch = _RandomDrawBatch(scene, count, first, threads)
+    all_sides = batch.solve() if can_share_one_system_of_equations(scene) else 0
     statuses, left = ["converged"] * count, np.flatnonzero(~batch.solved)
     for m in left:
         result = solve_static(scene, engine=ENGINE, member=first + int(m))
         batch.loads[m], statuses[m] = result.load, result.status
         batch.residuals[m], batch.works[m] = result.solver.residual, work_done_by_loads(scene, result)
-    return EnsembleResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
+    return RandomDrawsResult(batch.loads, tuple(statuses), batch.residuals, batch.works, all_sides, int(left.size))
 
 
 def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
@@ -152,7 +157,7 @@ def work_done_by_loads(scene: Scene, result: StaticResult) -> float:
     return work
 
 
-class _SpecimenBatch:
+class _RandomDrawBatch:
     """Random draws of a scene's geometric errors (specimens) that share a system of equations, with their results.
 
     After `solve`, ``loads`` has the contact loads (M, N, 4) [N] of M specimens with N balls, ``residuals`` the relative
@@ -167,16 +172,18 @@ class _SpecimenBatch:
         """
         self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
-        self.mean = draw_specimen(scene_without_random_errors(scene), self.layout)
-        self.drawn = draw_specimens(scene, self.layout, first, count)
-        self.C = hertz_C(scene, self.mean, self.drawn.ball_radius)
+        self.mean = draw_geometry_with_errors(scene_without_random_errors(scene), self.layout)
+        self.drawn = draw_geometries_with_errors(scene, self.layout, first, count)
+        self.C = hertz_constants_by_scene_choice(scene, self.mean, self.drawn.ball_radii)
         self.loads, self.solved = np.full((count, scene.ball_count, 4), np.nan), np.zeros(count, dtype=bool)
         self.residuals, self.works = np.full(count, np.nan), np.full(count, np.nan)
 
-    def _drawn_errors(self, members: NDArray[np.int64]) -> Specimens:
-        """Return the geometric errors of those random draws whose numbers in the batch are ``members``."""
-        centre = self.drawn.centre[members] if len(self.drawn.centre) > 1 else self.drawn.centre
-        return Specimens(self.drawn.ball_radius[members], centre, self.drawn.radius)
+    def _drawn_errors(self, numbers_in_batch: NDArray[np.int64]) -> GeometriesWithErrors:
+        """Return the geometric errors of those random draws whose numbers in the batch are ``numbers_in_batch``."""
+        centre = (
+            self.drawn.groove_centres[numbers_in_batch] if len(self.drawn.groove_centres) > 1 else self.drawn.groove_centres
+        )
+        return GeometriesWithErrors(self.drawn.ball_radii[numbers_in_batch], centre, self.drawn.groove_radii)
 
     def solve(self) -> int:
         """Solve all random draws and store their loads; return in how many of them all four flanks had to be considered.
@@ -184,7 +191,7 @@ class _SpecimenBatch:
         No specimen is solved if the scene cannot carry its loads.
         """
         # flanks that carry no load if no ball is too large are left out, which is then verified specimen by specimen
-        few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
+        few = choose_flanks(self.scene, replace(self.mean, ball_radii=self.drawn.ball_radii.min(axis=0)))
         whole = self._problem_with_flanks(flanks_of_scene(self.scene))
         if whole is None:
             return 0
@@ -195,76 +202,81 @@ class _SpecimenBatch:
             self._solve_with_flanks(whole, rest)
         return int(rest.size)
 
-    def _problem_with_flanks(self, use: NDArray[np.bool_]) -> Problem | None:
+    def _problem_with_flanks(self, used_flanks: NDArray[np.bool_]) -> Problem | None:
         """Return the static problem of the scene without random errors; None if the loads drive a free rigid motion.
 
-        ``use``: whether each of the flanks SL, SR, NL, NR takes part (4,).
+        ``used_flanks``: whether each of the flanks SL, SR, NL, NR takes part (4,).
         """
-        problem = build_problem(self.scene, self.mean, self.layout, use)
-        if residual_scale(problem).force == 0.0:  # only the random errors press anything together
-            tightest = self._drawn_errors(np.array([centre_distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
-            drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
-            problem = build_problem(self.scene, drawn, self.layout, use)
-        mechanism = free_motions(problem)
-        return None if mechanism.driven else pin_free_motions(problem, mechanism)
+        problem = build_problem(self.scene, self.mean, self.layout, used_flanks)
+        if residual_scale(problem).typical_force == 0.0:  # only the random errors press anything together
+            tightest = self._drawn_errors(
+                np.array([centre_vectors_and_interference(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()])
+            )
+            drawn = replace(self.mean, ball_radii=tightest.ball_radii[0], groove_centres=tightest.groove_centres[0])
+            problem = build_problem(self.scene, drawn, self.layout, used_flanks)
+        mechanism = find_unresisted_motions(problem)
+        return None if mechanism.is_driven_by_loads else pin_free_motions(problem, mechanism)
 
-    def _solved_system(self, problem: Problem) -> BeamEquations:
+    def _solved_shared_equations(self, problem: Problem) -> BeamEquations:
         """Return the system of equations that all random draws share, solved for the scene without random errors."""
         prepared = beam_equations(problem, pick_engine(ENGINE, self.scene.ball_count))
-        prepared.iterate()
+        prepared.solve_by_newton()
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve_with_flanks(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
+    def _solve_with_flanks(self, problem: Problem | None, numbers_in_batch: NDArray[np.int64]) -> None:
         """Solve some random draws with contacts only on those flanks that ``problem`` includes; store accepted solutions.
 
-        ``problem``: static problem, None if it has a free rigid motion; ``members``: numbers of the specimens in the batch.
-        A solution is accepted only if no ball comes near a flank that the problem leaves out.
+        ``problem``: static problem, None if it has a free rigid motion; ``numbers_in_batch``: numbers of the specimens in
+        the batch. A solution is accepted only if no ball comes near a flank that the problem leaves out.
         """
         if problem is None:
             return
-        prepared = self._solved_system(problem)
-        near = None if np.all(problem.use) else _OmittedFlankCheck(prepared, self.layout)
-        some = partial(self._solve_in_kernel, prepared, near)
-        trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
+        prepared = self._solved_shared_equations(problem)
+        near = None if np.all(problem.used_flanks) else _OmittedFlankCheck(prepared, self.layout)
+        some = partial(self._solve_draws_in_kernel, prepared, near)
+        trial, rest = (
+            numbers_in_batch[:TRIAL],
+            [numbers_in_batch[k : k + CHUNK] for k in range(TRIAL, numbers_in_batch.size, CHUNK)],
+        )
         some(trial)
         if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
             return
         with ThreadPoolExecutor(self.threads) as pool:
             list((map if self.threads == 1 else pool.map)(some, rest))
 
-    def _solve_in_kernel(
-        self, prepared: BeamEquations, near: _OmittedFlankCheck | None, members: NDArray[np.int64]
+    def _solve_draws_in_kernel(
+        self, equations: BeamEquations, omitted_flank_check: _OmittedFlankCheck | None, numbers_in_batch: NDArray[np.int64]
     ) -> None:
         """Solve some random draws by one call of compiled code, and store the solutions that are accepted.
 
-        ``prepared``: common system of equations; ``near``: check of the flanks that the system leaves out, None if it has
-        all; ``members``: numbers of the specimens in the batch.
+        ``equations``: common system of equations; ``omitted_flank_check``: check of the flanks that the system leaves out,
+        None if it has all; ``numbers_in_batch``: numbers of the specimens in the batch.
         """
-        state, k = prepared.state, members.size
-        arrays = self._kernel_arrays(prepared.problem, members)
+        state, k = equations.state, numbers_in_batch.size
+        arrays = self._geometry_for_kernel(equations.problem, numbers_in_batch)
         forces, status, residual = np.empty(arrays.geometry.shape[:3]), np.empty(k, dtype=np.int64), np.empty(k)
-        states = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
-        prepared.engine.ensemble(prepared.given, state, prepared.options, arrays, states)
+        states = SpecimenSolutions(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
+        equations.engine.ensemble(equations.kernel_arrays, state, equations.options, arrays, states)
         good = (states.status <= 1) & (states.residual <= ACCEPTED)
-        if near is not None:
-            shift = states.q.reshape(k, -1) @ near.rows.T
-            good &= near.flanks_stay_clear_of_balls(shift, states.p, arrays.geometry, states.force)
-        kept, works = members[good], np.tensordot(states.q, prepared.given.shaft.load, axes=2)
+        if omitted_flank_check is not None:
+            shift = states.q.reshape(k, -1) @ omitted_flank_check.rows.T
+            good &= omitted_flank_check.flanks_stay_clear_of_balls(shift, states.p, arrays.geometry, states.force)
+        kept, works = numbers_in_batch[good], np.tensordot(states.q, equations.kernel_arrays.shaft.load, axes=2)
         self.loads[kept], self.residuals[kept], self.works[kept] = states.force[good], states.residual[good], works[good]
         self.solved[kept] = True
 
-    def _kernel_arrays(self, problem: Problem, members: NDArray[np.int64]) -> MemberArrays:
+    def _geometry_for_kernel(self, problem: Problem, numbers_in_batch: NDArray[np.int64]) -> SpecimenArrays:
         """Return the geometry of some random draws as arrays for the compiled solver.
 
-        ``problem``: static problem without random errors; ``members``: numbers of the specimens in the batch.
+        ``problem``: static problem without random errors; ``numbers_in_batch``: numbers of the specimens in the batch.
         """
-        drawn = self._drawn_errors(members)
-        offset, closure = centre_distances(self.scene, drawn)
-        geometry = np.empty((members.size, *problem.geometry.shape))
-        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[members], problem.geometry[..., 5:]
-        B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]
-        return MemberArrays(B, geometry, closure, drawn.ball_radius)
+        drawn = self._drawn_errors(numbers_in_batch)
+        offset, closure = centre_vectors_and_interference(self.scene, drawn)
+        geometry = np.empty((numbers_in_batch.size, *problem.geometry.shape))
+        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[numbers_in_batch], problem.geometry[..., 5:]
+        B = flank_motions_of_specimens(problem, drawn.groove_centres) if len(drawn.groove_centres) > 1 else problem.B[None]
+        return SpecimenArrays(B, geometry, closure, drawn.ball_radii)
 
 
 class _OmittedFlankCheck:
@@ -276,33 +288,33 @@ class _OmittedFlankCheck:
     def __init__(self, prepared: BeamEquations, layout: BallLayout) -> None:
         """Prepare the check for the solved equations ``prepared``, which leave some flanks out."""
         problem = prepared.problem
-        self.use = problem.use
-        rows = [_nodal_to_flank_displacements(problem, layout, s) for s in range(2)]
+        self.use = problem.used_flanks
+        rows = [_nodal_to_flank_displacement_matrix(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
     def flanks_stay_clear_of_balls(
-        self, motions: Array, centres: Array, geometry: Array, loads: Array
+        self, flank_displacements: Array, ball_centres: Array, geometry: Array, loads: Array
     ) -> NDArray[np.bool_]:
         """Return for each of k random draws whether all flanks that the equations leave out stay clear of the balls, (k,).
 
         Parameters
         ----------
-        motions
+        flank_displacements
             Displacements of the screw's two flanks in the section of each of N balls, two components each, (k, 4 N) [m].
-        centres
+        ball_centres
             Ball centres in their sections, (k, N, 2) [m].
         geometry
             Geometry of each flank of each ball as the kernels read it, (k, N, 4, 4 or more).
         loads
             Contact loads, (k, N, 4) [N].
         """
-        k, n = centres.shape[:2]
+        k, n = ball_centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
-        shift[:, :, :2] = motions.reshape(k, n, 2, 2)
-        return solutions_clear_of_left_out_flanks(centres, shift, geometry, loads, self.use, MARGIN)
+        shift[:, :, :2] = flank_displacements.reshape(k, n, 2, 2)
+        return solutions_clear_of_left_out_flanks(ball_centres, shift, geometry, loads, self.use, MARGIN)
 
 
-def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: int) -> Array:
+def _nodal_to_flank_displacement_matrix(problem: Problem, layout: BallLayout, side: int) -> Array:
     """Return the matrix that gives a screw flank's displacements at each ball from all nodal displacements, (N, 2, 6 n).
 
     N: number of balls; n: number of beam nodes; the two rows of a ball are the radial and the binormal component in the
@@ -310,8 +322,8 @@ def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: in
     """
     n, size = layout.z.size, problem.nodes.size * 6
     out = np.zeros((n, 2, size))
-    if problem.use[side] or problem.basis is not None:
-        columns = 6 * problem.node[:, side, None] + np.arange(problem.B.shape[3])
+    if problem.used_flanks[side] or problem.rigid_motion_basis is not None:
+        columns = 6 * problem.first_nodes[:, side, None] + np.arange(problem.B.shape[3])
         out[np.arange(n)[:, None, None], np.arange(2)[None, :, None], columns[:, None, :]] = problem.B[:, side]
         return out
     centre = nominal_groove_centres(problem.scene)[side]
@@ -325,17 +337,17 @@ def _nodal_to_flank_displacements(problem: Problem, layout: BallLayout, side: in
     return out
 
 
-def ensemble_of_study(study: Study, name: str) -> EnsembleResult:
+def cached_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
     """Return the contact loads of many random draws of the geometric errors of a built-in scene, computed once per report.
 
-    ``study``: cache of the report, which states the number of draws; ``name``: name of the scene.
+    ``cache``: cache of the report, which states the number of draws; ``name``: name of the scene.
     """
-    return study.compute_once(_run_study_ensemble, name)
+    return cache.compute_once(_solve_random_draws_of_scene, name)
 
 
-def _run_study_ensemble(study: Study, name: str) -> EnsembleResult:
-    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``study`` states their number."""
-    return solve_random_specimens(study.scene(name), study.members)
+def _solve_random_draws_of_scene(cache: SceneResultCache, name: str) -> RandomDrawsResult:
+    """Solve many random draws of the geometric errors of the built-in scene ``name``; ``cache`` states their number."""
+    return solve_random_draws(cache.built_in_scene(name), cache.random_draw_count)
 
 
 #: Outputs of each specimen of one nut or bearing: name of the output, and its heading in tables.
@@ -378,18 +390,18 @@ ELASTIC = tuple(name for name in LADDER if name != "lin")
 
 
 @dataclass(frozen=True)
-class SpecimenBlock:
+class RandomDrawBlock:
     """Results of a scene with N balls for k random draws of its geometric errors (specimens), solved in one block."""
 
     #: Contact loads, (k, N, 4) [N].
     loads: Array
-    #: Outputs of each specimen in the order of `output_names`, (k, number of outputs).
-    kept: Array
+    #: Outputs of each specimen in the order of `output_names_of_draw`, (k, number of outputs).
+    outputs: Array
     #: Status of each specimen.
     statuses: tuple[str, ...]
 
 
-def raceway_life_sum(load: Array) -> Array:
+def raceway_life_measure(load: Array) -> Array:
     """Return L^(-10/9) up to a constant factor, where L is the life of all raceways together by ISO/TS 16281.
 
     ``load``: contact loads (..., N, 4) [N] of N balls on the flanks SL, SR, NL, NR. The screw's grooves turn relative to
@@ -401,17 +413,17 @@ def raceway_life_sum(load: Array) -> Array:
     return np.asarray(turning.sum(axis=-1) + standing.sum(axis=-1))
 
 
-def relative_life(load: Array, nominal: Array) -> Array:
+def relative_life(load: Array, loads_without_errors: Array) -> Array:
     """Return the ratio of the rating life with random geometric errors to the life without them, for each random draw.
 
-    ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``nominal``: contact loads without random errors
-    (N, 4) [N].
+    ``load``: contact loads with random errors (..., N, 4) [N] of N balls; ``loads_without_errors``: contact loads without
+    random errors (N, 4) [N].
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((raceway_life_sum(load) / raceway_life_sum(nominal)) ** (-1.0 / SYSTEM))
+        return np.asarray((raceway_life_measure(load) / raceway_life_measure(loads_without_errors)) ** (-1.0 / SYSTEM))
 
 
-def output_names(scene: Scene | Assembly) -> list[str]:
+def output_names_of_draw(scene: Scene | Assembly) -> list[str]:
     """Return the names of the outputs that are kept of each random draw of a scene, such as the largest contact load."""
     if isinstance(scene, Scene):
         return [*KEPT]
@@ -443,7 +455,7 @@ def _change_parts_of_nuts_and_bearings(scene: Scene | Assembly, change: Callable
     return replace(scene, sets=tuple(sets))
 
 
-def with_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
+def with_error_seed(scene: Scene | Assembly, seed: int) -> Scene | Assembly:
     """Return a copy of a scene with another seed of its random errors; several nuts and bearings get consecutive seeds."""
     return _change_parts_of_nuts_and_bearings(
         scene, lambda parts, i: replace(parts, errors=replace(parts.errors, seed=seed + i))
@@ -455,7 +467,7 @@ def without_random_errors(scene: Scene | Assembly) -> Scene | Assembly:
     return _change_parts_of_nuts_and_bearings(scene, lambda parts, _: scene_without_random_errors(parts))
 
 
-def _solve_specimens(
+def _solve_draws_under_scaled_loads(
     scene: Scene, model: str, engine: str, first: int, count: int, load_factor: float = 1.0
 ) -> tuple[Array, tuple[str, ...], Array, Array]:
     """Solve many random draws of the geometric errors of a nut or bearing under the scene's loads times a factor.
@@ -465,16 +477,16 @@ def _solve_specimens(
     loads (k, N, 4) [N] for N balls, statuses, relative residuals (k,), and works done by the loads (k,) [J], in this order.
     If the factor is not 1, a model with elastic bodies first solves with the factor 1, as a starting point.
     """
-    of, scene = scene, scale_loads(scene, load_factor) if load_factor != 1.0 else scene
+    of, scene = scene, with_scaled_loads(scene, load_factor) if load_factor != 1.0 else scene
     if model == "lin" and engine == "compiled":
-        batch = solve_random_specimens(scene, count, first)
-        return batch.loads, batch.statuses, batch.residuals, batch.works
+        batch = solve_random_draws(scene, count, first)
+        return batch.loads, batch.statuses, batch.residuals, batch.works_of_loads
     loads, residuals, works = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan), np.full(count, np.nan)
-    if model in ELASTIC and shared(scene):
-        loads, residuals, works = _common_system(of, model, engine, load_factor).solve(first, count)
+    if model in ELASTIC and can_share_equations(scene):
+        loads, residuals, works = _equations_shared_by_draws(of, model, engine, load_factor).solve(first, count)
     statuses = ["converged"] * count
     for k in np.flatnonzero(np.isnan(residuals)):
-        result = run_model(scene, model, Options(member=first + int(k), engine=engine, discretisation=False))
+        result = run_model(scene, model, ModelOptions(member=first + int(k), engine=engine, estimate_beam_mesh_error=False))
         statuses[k], residuals[k] = result.status, result.solver.residual
         if result.converged:
             loads[k], works[k] = result.load, work_done_by_loads(scene, result)
@@ -482,18 +494,22 @@ def _solve_specimens(
 
 
 @lru_cache(maxsize=4)
-def _common_system(scene: Scene, model: str, engine: str, load_factor: float) -> ElasticMembers:
+def _equations_shared_by_draws(scene: Scene, model: str, engine: str, load_factor: float) -> SpecimensWithSharedEquations:
     """Return the equations that all random draws of a scene's errors share, computed once in a process.
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
     ``load_factor``: factor on the loads of the scene.
     """
-    like = None if load_factor == 1.0 else _common_system(scene, model, engine, 1.0)
-    loaded = scene if like is None else scale_loads(scene, load_factor)
-    return ElasticMembers(loaded, LADDER[model], load_kernel_package(STATICS, compiled=engine == "compiled"), like)
+    like = None if load_factor == 1.0 else _equations_shared_by_draws(scene, model, engine, 1.0)
+    loaded = scene if like is None else with_scaled_loads(scene, load_factor)
+    return SpecimensWithSharedEquations(
+        loaded, LADDER[model], load_kernel_package(STATICS, compiled=engine == "compiled"), like
+    )
 
 
-def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array, first: int, count: int) -> SpecimenBlock:
+def solve_block_of_random_draws(
+    scene: Scene | Assembly, model: str, engine: str, loads_without_errors: Array, first: int, count: int
+) -> RandomDrawBlock:
     """Solve ``count`` random draws of a scene's geometric errors (specimens), from number ``first`` on.
 
     Parameters
@@ -504,7 +520,7 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
         Name of the model.
     engine
         How numerical kernels run: "interpreted" (plain Python) or "compiled" (machine code).
-    nominal
+    loads_without_errors
         Contact loads of all N balls without random errors, (N, 4) [N].
     first
         Number of the first specimen.
@@ -513,67 +529,79 @@ def solve_block(scene: Scene | Assembly, model: str, engine: str, nominal: Array
 
     Returns
     -------
-    SpecimenBlock
+    RandomDrawBlock
         Contact loads and outputs.
     """
     if isinstance(scene, Assembly):
-        return _solve_axis_block(scene, model, engine, nominal, first, count)
-    loads, statuses, residuals, works = _solve_specimens(scene, model, engine, first, count)
+        return _solve_shaft_block_of_draws(scene, model, engine, loads_without_errors, first, count)
+    loads, statuses, residuals, works = _solve_draws_under_scaled_loads(scene, model, engine, first, count)
     force = float(sum(np.dot(x.force, x.force) for x in scene.loads))
     stiffness = np.full(count, np.nan)
     if force > 0.0:
         asked = scene.ingredients.load_step if model == "liu" else None
         step = STEP if asked is None else asked / force**0.5
-        heavier = _solve_specimens(scene, model, engine, first, count, 1.0 + step)[3] / (1.0 + step)
+        heavier = _solve_draws_under_scaled_loads(scene, model, engine, first, count, 1.0 + step)[3] / (1.0 + step)
         with np.errstate(divide="ignore", invalid="ignore"):
             stiffness = 1e-6 * force * step / (heavier - works)
     good = np.array([s == "converged" for s in statuses])
     loads[~good] = np.nan
     contacts = nominal_contacts(scene)
     mean = np.array([mean_load(load, contacts) for load in loads])
-    lost = (~(loads > 0.0) & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
-    kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, relative_life(loads, nominal), residuals])
+    lost = (~(loads > 0.0) & (loads_without_errors > 0.0)).sum(axis=(1, 2)).astype(float)
+    kept = np.column_stack(
+        [loads.max(axis=(1, 2)), mean, stiffness, lost, relative_life(loads, loads_without_errors), residuals]
+    )
     kept[~good] = np.nan
-    return SpecimenBlock(loads, kept, statuses)
+    return RandomDrawBlock(loads, kept, statuses)
 
 
-def _solve_axis_block(
-    assembly: Assembly, model: str, kernels: str, nominal: Array, first: int, count: int
-) -> SpecimenBlock:
+def _solve_shaft_block_of_draws(
+    assembly: Assembly, model: str, kernels: str, loads_without_errors: Array, first: int, count: int
+) -> RandomDrawBlock:
     """Solve several random draws of the geometric errors of a shaft with several nuts and bearings.
 
     ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
     arguments are those of `solve_block`.
     """
-    results = [run_model(assembly, model, Options(engine=kernels, member=m)) for m in range(first, first + count)]
+    results = [run_model(assembly, model, ModelOptions(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)
-    loads = np.stack([contact_loads_of_all_balls(r) if r.converged else np.full(nominal.shape, np.nan) for r in results])
-    wide = len(output_names(assembly))
-    kept = [specimen_outputs(r, nominal, where) if r.converged else np.full(wide, np.nan) for r in results]
-    return SpecimenBlock(loads, np.array(kept), tuple(r.status for r in results))
+    loads = np.stack(
+        [contact_loads_of_all_balls(r) if r.converged else np.full(loads_without_errors.shape, np.nan) for r in results]
+    )
+    wide = len(output_names_of_draw(assembly))
+    kept = [
+        outputs_of_shaft_draw(r, loads_without_errors, where) if r.converged else np.full(wide, np.nan) for r in results
+    ]
+    return RandomDrawBlock(loads, np.array(kept), tuple(r.status for r in results))
 
 
-def contact_loads_of_all_balls(result: Solved) -> Array:
+def contact_loads_of_all_balls(result: StaticSolution) -> Array:
     """Return the contact loads of all N balls of a static result, (N, 4) [N], on the flanks SL, SR, NL, NR.
 
     Balls of several nuts and bearings come one nut or bearing after the other.
     """
-    return np.concatenate([b.load for b in result.of_balls()])
+    return np.concatenate([b.load for b in result.ball_results()])
 
 
-def specimen_outputs(result: AxisResult, nominal: Array, ball_slices: Sequence[slice | None]) -> Array:
-    """Return the outputs of one random draw of a shaft in the order of `output_names`; nan: the output does not exist.
+def outputs_of_shaft_draw(result: AxisResult, loads_without_errors: Array, ball_slices: Sequence[slice | None]) -> Array:
+    """Return the outputs of one random draw of a shaft in the order of `output_names_of_draw`.
 
-    ``result``: static result of the draw; ``nominal``: contact loads of all N balls without random errors, (N, 4) [N];
-    ``ball_slices``: range of the balls of each nut or bearing, from `ball_slices`.
+    Nan: the output does not exist.
+
+    ``result``: static result of the draw; ``loads_without_errors``: contact loads of all N balls without random errors, (N,
+    4) [N]; ``ball_slices``: range of the balls of each nut or bearing, from `ball_slices`.
     """
     loads = contact_loads_of_all_balls(result)
-    lost = (loads == 0.0) & (nominal > 0.0)
+    lost = (loads == 0.0) & (loads_without_errors > 0.0)
     largest = max(float(s.loads.max(initial=0.0)) for s in result.sets)
     stiffness = np.nan if result.stiffness is None else 1e-6 * float(result.stiffness[2, 2])
     kept = [largest, stiffness, float(lost.sum()), result.solver.residual]
     for s, place in zip(result.sets, ball_slices, strict=True):
         kept += [float(s.loads.max(initial=0.0)), mean_load(s.loads), float(s.force[2])]
         known = place is not None
-        kept += [float(lost[place].sum()), float(relative_life(loads[place], nominal[place]))] if known else [np.nan] * 2
+        kept += (
+            [float(lost[place].sum()), float(relative_life(loads[place], loads_without_errors[place]))]
+            if known
+            else [np.nan] * 2
+        )
     return np.array(kept)

@@ -23,22 +23,22 @@ from typing import Any
 import numpy as np
 
 from rollbench.compare.errors import ArgumentError, InputError
-from rollbench.compare.models.registry import Options, default_model, find_model, has_random_errors, run_model
+from rollbench.compare.models.registry import ModelOptions, default_model_name, has_random_errors, model_by_name, run_model
 from rollbench.compare.quantities import json_number
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
+from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.scenes.duty_cycle import Described, DutyCycle
-from rollbench.compare.scenes.scene_file import scenes_of_load_cases
+from rollbench.compare.scenes.scene_file import scenes_to_solve
 from rollbench.compare.studies.members.ensemble import (
     KEPT,
     OF_SET,
     WHOLE,
-    SpecimenBlock,
+    RandomDrawBlock,
     ball_slices,
     contact_loads_of_all_balls,
-    output_names,
-    solve_block,
-    with_seed,
+    output_names_of_draw,
+    solve_block_of_random_draws,
+    with_error_seed,
     without_random_errors,
 )
 from rollbench.lowfi.jit import STATICS, is_machine_code_cached
@@ -100,33 +100,33 @@ class LoadDistributions:
             counts[place, bins.ravel()] += 1
 
     @property
-    def _specimen_count(self) -> int:
+    def _draw_count(self) -> int:
         """Number of random draws whose loads were added."""
         return int(self.counts.reshape(-1, BINS + 2)[0].sum())
 
     @property
-    def mean(self) -> Array:
+    def mean_loads(self) -> Array:
         """Mean load of each contact over the random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
-        return self.nominal + self._first / max(self._specimen_count, 1)
+        return self.nominal + self._first / max(self._draw_count, 1)
 
     @property
-    def deviation(self) -> Array:
+    def standard_deviation(self) -> Array:
         """Standard deviation of each contact load over the random draws, (N, 4) [N], for N balls and four flanks."""
-        n = self._specimen_count
+        n = self._draw_count
         mean = self._first / max(n, 1)
         return np.asarray(np.sqrt(np.maximum(self._second - n * mean**2, 0.0) / max(n - 1, 1)))
 
     @property
-    def smallest(self) -> Array:
+    def smallest_loads(self) -> Array:
         """Smallest load of each contact in all random draws, (N, 4) [N], for N balls and the flanks SL, SR, NL, NR."""
         return np.where(np.isfinite(self._low), self._low, 0.0)
 
     @property
-    def loaded(self) -> Array:
+    def loaded_share(self) -> Array:
         """Share of the random draws in which each contact carries load, (N, 4), for N balls and four flanks."""
-        return 1.0 - self.counts[..., 0] / max(self._specimen_count, 1)
+        return 1.0 - self.counts[..., 0] / max(self._draw_count, 1)
 
-    def quantile(self, level: float) -> Array:
+    def load_quantiles(self, level: float) -> Array:
         """Return a quantile of each contact load over the random draws, (N, 4) [N], accurate to the bin width.
 
         ``level``: level of the quantile, from 0 to 1. N is the number of balls.
@@ -144,24 +144,24 @@ class EnsembleSummary:
     scene: Scene | Assembly
     #: Name of the model.
     model: str
-    #: Outputs of each specimen in the order of `ensemble.output_names`, (M, k); nan without equilibrium.
-    kept: Array
+    #: Outputs of each specimen in the order of `ensemble.output_names_of_draw`, (M, k); nan without equilibrium.
+    outputs: Array
     #: Status of each specimen without equilibrium, by the number of the specimen.
-    failed: dict[int, str]
+    status_of_failed_draws: dict[int, str]
     #: Distributions of the contact loads over the specimens; the balls of a shaft come one nut or bearing after the other.
-    bands: LoadDistributions
+    load_distributions: LoadDistributions
     #: Range of the balls of each nut or bearing in these distributions; None for rollers.
-    balls: tuple[slice | None, ...]
+    ball_slices: tuple[slice | None, ...]
     #: Wall clock [s].
     seconds: float
 
 
-def solve_specimens_of_scene(
+def solve_random_draws_of_scene(
     scene: Scene | Assembly,
     model: str,
     count: int,
-    engine: Engine | None = None,
-    step: Callable[[str], None] = lambda _: None,
+    engine: ComputingSettings | None = None,
+    show_progress: Callable[[str], None] = lambda _: None,
     record_specimen: Callable[[int, str, Array], None] = lambda *_: None,
 ) -> EnsembleSummary:
     """Solve a scene for the first ``count`` random draws of its geometric errors (specimens).
@@ -176,7 +176,7 @@ def solve_specimens_of_scene(
         Number of specimens.
     engine
         Number of processes, or cluster, that solve blocks of specimens.
-    step
+    show_progress
         Function that is called with each line of progress.
     record_specimen
         Function that is called with number, status and outputs (k,) of each specimen, in order of the numbers.
@@ -192,11 +192,11 @@ def solve_specimens_of_scene(
         If the model is unknown, the number out of range, or the scene has no random errors or no equilibrium without them.
     """
     _check_ensemble_request(scene, model, count)
-    start, model = perf_counter(), model or default_model(scene)
+    start, model = perf_counter(), model or default_model_name(scene)
     kernels = (
         "compiled" if count >= COMPILE_FROM or (count >= USE_FROM and is_machine_code_cached(STATICS)) else "interpreted"
     )
-    bare = run_model(without_random_errors(scene), model, Options(engine=kernels, discretisation=False))
+    bare = run_model(without_random_errors(scene), model, ModelOptions(engine=kernels, estimate_beam_mesh_error=False))
     nominal = contact_loads_of_all_balls(bare)
     if not bare.converged or not nominal.max(initial=0.0) > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
@@ -205,15 +205,17 @@ def solve_specimens_of_scene(
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", advice)
     bands, rows, failed = LoadDistributions(nominal, END * float(nominal.max()) / BINS), list[Array](), dict[int, str]()
     done = 0
-    for first, block in _solve_blocks((scene, model, kernels, nominal), count, engine or Engine(), step):
+    for first, block in _solve_blocks_of_random_draws(
+        (scene, model, kernels, nominal), count, engine or ComputingSettings(), show_progress
+    ):
         bands.add_loads(block.loads)
-        rows.append(block.kept)
+        rows.append(block.outputs)
         for k, status in enumerate(block.statuses):
-            record_specimen(first + k, status, block.kept[k])
+            record_specimen(first + k, status, block.outputs[k])
             if status != "converged":
                 failed[first + k] = status
-        done += len(block.kept)
-        step(f"[{done}/{count}] {len(failed)} failed")
+        done += len(block.outputs)
+        show_progress(f"[{done}/{count}] {len(failed)} failed")
     return EnsembleSummary(scene, model, np.concatenate(rows), failed, bands, ball_slices(scene), perf_counter() - start)
 
 
@@ -224,7 +226,7 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
     """
     single = isinstance(scene, Scene)
     if single:
-        find_model(model, excluded=("condensed",))
+        model_by_name(model, excluded_names=("condensed",))
     if not 2 <= count <= MOST:
         raise ArgumentError(
             "members",
@@ -238,22 +240,27 @@ def _check_ensemble_request(scene: Scene | Assembly, model: str, count: int) -> 
         raise InputError(scene.name, where, "no random error", "at least one sigma above zero", advice)
 
 
-def _solve_blocks(
-    arguments: tuple[Scene | Assembly, str, str, Array], count: int, engine: Engine, step: Callable[[str], None]
-) -> Iterator[tuple[int, SpecimenBlock]]:
+def _solve_blocks_of_random_draws(
+    block_arguments: tuple[Scene | Assembly, str, str, Array],
+    count: int,
+    engine: ComputingSettings,
+    show_progress: Callable[[str], None],
+) -> Iterator[tuple[int, RandomDrawBlock]]:
     """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
-    Blocks may be finished in any order but are yielded by increasing numbers. ``arguments``: first four arguments of
+    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: first four arguments of
     `solve_block` (scene, model, kind of kernels, contact loads without random errors); ``count``: number of specimens;
-    ``step``: function that is called with each line of progress.
+    ``show_progress``: function that is called with each line of progress.
     """
-    least = LEAST if isinstance(arguments[0], Scene) else 1
+    least = LEAST if isinstance(block_arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off
     starts = range(0, count, size)
-    jobs: list[parallel.Job] = [(solve_block, (*arguments, first, min(size, count - first))) for first in starts]
-    waiting: dict[int, SpecimenBlock] = {}
+    jobs: list[parallel.Job] = [
+        (solve_block_of_random_draws, (*block_arguments, first, min(size, count - first))) for first in starts
+    ]
+    waiting: dict[int, RandomDrawBlock] = {}
     following = 0
-    for place, block in run_jobs_where_faster(jobs, engine, "members", step):
+    for place, block in run_jobs_in_fastest_way(jobs, engine, "members", show_progress):
         waiting[place] = block
         while following in waiting:
             yield following * size, waiting.pop(following)
@@ -274,7 +281,7 @@ def _binomial_quantile(probability: float, trials: int, chance: float) -> int:
     return first + int(np.searchsorted(below, (1.0 - 1e-12) * probability * below[-1]))  # less the round-off of the sum
 
 
-def sample_statistics(values: Array) -> dict[str, Any] | None:
+def output_statistics_with_intervals(values: Array) -> dict[str, Any] | None:
     """Return statistics of an output over many random draws: mean, deviation, extremes, quantiles, with their errors.
 
     Parameters
@@ -301,68 +308,83 @@ def sample_statistics(values: Array) -> dict[str, Any] | None:
     return out
 
 
-def ensemble_for_library(
-    described: Described, model: str, count: int, seed: int | None, workers: int | None, step: Callable[[str], None]
+def run_ensemble(
+    described: Described,
+    model: str,
+    count: int,
+    seed: int | None,
+    workers: int | None,
+    show_progress: Callable[[str], None],
 ) -> dict[str, Any]:
     """Solve many random draws of a scene's errors for `rollbench.ensemble`, and return the JSON values.
 
     ``described``: scene or duty cycle; ``count``: number of specimens; ``seed``: seed of the random errors, None for that
-    of the scene; ``workers``: number of processes; ``step``: function that is called with each line of progress. Raises
-    InputError for the faults that `solve_specimens_of_scene` refuses.
+    of the scene; ``workers``: number of processes; ``show_progress``: function that is called with each line of progress.
+    Raises InputError for the faults that `solve_random_draws_of_scene` refuses.
     """
-    each, cases = solve_specimens_of_load_cases(
-        described, described.name, model, count, seed, Engine(workers=workers), step
+    each, cases = solve_random_draws_of_load_cases(
+        described, described.name, model, count, seed, ComputingSettings(parallel_jobs=workers), show_progress
     )
     return ensemble_json(described, each, cases)
 
 
-def ensemble_json(described: Described, each: Sequence[EnsembleSummary], cases: Sequence[str]) -> dict[str, Any]:
+def ensemble_json(scene: Described, summaries: Sequence[EnsembleSummary], load_case_names: Sequence[str]) -> dict[str, Any]:
     """Return the results of many random draws as JSON values, with an entry for each load case if there are several.
 
-    ``described``: scene or duty cycle; ``each``: results for each load case; ``cases``: names of the load cases, empty for
-    a scene without load cases.
+    ``scene``: scene or duty cycle; ``summaries``: results for each load case; ``load_case_names``: names of the load cases,
+    empty for a scene without load cases.
     """
-    data = [members_json(batch) for batch in each]
-    by_case = [{"case": case} | x for case, x in zip(cases, data, strict=True)] if cases else []
-    return {"scene": described.name, "cases": by_case} if cases else data[0]
+    data = [ensemble_statistics_json(batch) for batch in summaries]
+    by_case = [{"case": case} | x for case, x in zip(load_case_names, data, strict=True)] if load_case_names else []
+    return {"scene": scene.name, "cases": by_case} if load_case_names else data[0]
 
 
-def solve_specimens_of_load_cases(
+def solve_random_draws_of_load_cases(
     described: Described,
     name: str,
     model: str,
     count: int,
     seed: int | None,
-    engine: Engine,
-    step: Callable[[str], None],
+    engine: ComputingSettings,
+    show_progress: Callable[[str], None],
     csv_out: Path | None = None,
 ) -> tuple[list[EnsembleSummary], list[str]]:
     """Solve each load case of a scene for many random draws of its geometric errors (specimens).
 
     ``name``: file or name of the scene in error messages; ``count``: number of specimens; ``seed``: seed of the random
-    errors, None for that of the scene; ``step``: function that is called with each line of progress; ``csv_out``: file for
-    the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases (none
-    for a scene without load cases). Raises InputError for the faults that `solve_specimens_of_scene` refuses.
+    errors, None for that of the scene; ``show_progress``: function that is called with each line of progress; ``csv_out``:
+    file for the outputs of each specimen, or None. Returns the results for each load case, then the names of the load cases
+    (none for a scene without load cases). Raises InputError for the faults that `solve_random_draws_of_scene` refuses.
     """
     if seed is not None and not 0 <= seed < 2**62:
         raise ArgumentError("seed", str(seed), f"0 to {2**62 - 1}", "leave `seed` out for the seed of the scene")
     cases = [case.name for case in described.cases] if isinstance(described, DutyCycle) else []
-    scenes = [scene if seed is None else with_seed(scene, seed) for scene in scenes_of_load_cases(described, name)]
+    scenes = [scene if seed is None else with_error_seed(scene, seed) for scene in scenes_to_solve(described, name)]
     each: list[EnsembleSummary] = []
-    with _csv_row_writer(csv_out, [*(["case"] if cases else []), "member", "status", *output_names(scenes[0])]) as write:
+    with _csv_row_writer(
+        csv_out, [*(["case"] if cases else []), "member", "status", *output_names_of_draw(scenes[0])]
+    ) as write:
         for scene, head in zip(scenes, [[case] for case in cases] or [[]], strict=True):
-            row = partial(_write_row, write, head)
-            each.append(solve_specimens_of_scene(scene, model or default_model(scene), count, engine, step, row))
+            row = partial(_write_csv_row_of_draw, write, head)
+            each.append(
+                solve_random_draws_of_scene(scene, model or default_model_name(scene), count, engine, show_progress, row)
+            )
     return each, cases
 
 
-def _write_row(write: Callable[[list[Any]], None], head: Sequence[str], member: int, status: str, kept: Array) -> None:
+def _write_csv_row_of_draw(
+    write_csv_row: Callable[[list[Any]], None],
+    load_case_cells: Sequence[str],
+    draw_number: int,
+    status: str,
+    outputs: Array,
+) -> None:
     """Write the CSV row of one random draw: name of the load case if there are several, number, status, outputs.
 
-    ``write``: function that writes a row; ``head``: list with the name of the load case, or empty; ``member``: number of
-    the draw; ``kept``: outputs of the draw, of which nan becomes an empty cell.
+    ``write_csv_row``: function that writes a row; ``load_case_cells``: list with the name of the load case, or empty;
+    ``draw_number``: number of the draw; ``outputs``: outputs of the draw, of which nan becomes an empty cell.
     """
-    write([*head, member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
+    write_csv_row([*load_case_cells, draw_number, status, *("" if np.isnan(v) else repr(float(v)) for v in outputs)])
 
 
 @contextmanager
@@ -391,22 +413,22 @@ def _csv_row_writer(path: Path | None, names: Sequence[str]) -> Iterator[Callabl
         unfinished.unlink(missing_ok=True)
 
 
-def members_json(members: EnsembleSummary) -> dict[str, Any]:
+def ensemble_statistics_json(summary: EnsembleSummary) -> dict[str, Any]:
     """Return the results of many random draws as JSON values: output statistics, failures, distributions of contact loads.
 
     For a shaft, the statistics of each nut or bearing are in "sets", and rows of "balls" begin with the number of the nut
     or bearing.
     """
-    scene, kept = members.scene, members.kept
-    counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(members.failed)}
-    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(members.failed.items())]
-    rows = _load_distributions_by_ball(members.bands)
+    scene, kept = summary.scene, summary.outputs
+    counts: dict[str, Any] = {"members": len(kept), "converged": len(kept) - len(summary.status_of_failed_draws)}
+    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(summary.status_of_failed_draws.items())]
+    rows = _contact_load_rows_by_ball(summary.load_distributions)
     if isinstance(scene, Assembly):
         seed: Any = [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in scene.sets]
-        counts["sets"] = _statistics_by_set(members, scene)
+        counts["sets"] = _output_statistics_by_bearing(summary, scene)
         balls = [
             {"set": i + 1, **x, "index": x["index"] - place.start}
-            for i, place in enumerate(members.balls)
+            for i, place in enumerate(summary.ball_slices)
             if place is not None
             for one in rows[place]
             for x in one
@@ -414,39 +436,43 @@ def members_json(members: EnsembleSummary) -> dict[str, Any]:
     else:
         seed, balls = scene.errors.seed, [x for one in rows for x in one]
     names = WHOLE if isinstance(scene, Assembly) else KEPT
-    sums = {key: sample_statistics(kept[:, k]) for k, key in enumerate(names)}
-    head = {"scene": scene.name, "model": members.model, "seed": seed, **counts, "statistics": sums}
-    return {**head, "band_resolution_N": json_number(members.bands.width), "balls": balls}
+    sums = {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(names)}
+    head = {"scene": scene.name, "model": summary.model, "seed": seed, **counts, "statistics": sums}
+    return {**head, "band_resolution_N": json_number(summary.load_distributions.width), "balls": balls}
 
 
-def _statistics_by_set(members: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
+def _output_statistics_by_bearing(summary: EnsembleSummary, assembly: Assembly) -> list[dict[str, Any]]:
     """Return for each nut or bearing on a shaft the statistics of its outputs over many random draws, as JSON values."""
-    by_set = np.split(members.kept[:, len(WHOLE) :], len(assembly.sets), axis=1)
+    by_set = np.split(summary.outputs[:, len(WHOLE) :], len(assembly.sets), axis=1)
     return [
-        {"set": i + 1, "name": s.name, "statistics": {key: sample_statistics(kept[:, k]) for k, key in enumerate(OF_SET)}}
+        {
+            "set": i + 1,
+            "name": s.name,
+            "statistics": {key: output_statistics_with_intervals(kept[:, k]) for k, key in enumerate(OF_SET)},
+        }
         for i, (s, kept) in enumerate(zip(assembly.sets, by_set, strict=True))
     ]
 
 
-def _load_distributions_by_ball(bands: LoadDistributions) -> list[list[dict[str, Any]]]:
+def _contact_load_rows_by_ball(load_distributions: LoadDistributions) -> list[list[dict[str, Any]]]:
     """Return for every ball a list of JSON rows, one per loaded contact, with mean and quantiles of the contact load [N].
 
-    ``bands``: distributions of the contact loads over many random draws of the geometric errors.
+    ``load_distributions``: distributions of the contact loads over many random draws of the geometric errors.
     """
     found = {
-        "without_random_errors_N": bands.nominal,
-        "mean_N": bands.mean,
-        "standard_deviation_N": bands.deviation,
-        "smallest_N": bands.smallest,
-        **{f"quantile_{level:g}_N": bands.quantile(level) for level in (0.05, 0.5, 0.95)},
-        "largest_N": bands.largest,
-        "loaded_share": bands.loaded,
+        "without_random_errors_N": load_distributions.nominal,
+        "mean_N": load_distributions.mean_loads,
+        "standard_deviation_N": load_distributions.standard_deviation,
+        "smallest_N": load_distributions.smallest_loads,
+        **{f"quantile_{level:g}_N": load_distributions.load_quantiles(level) for level in (0.05, 0.5, 0.95)},
+        "largest_N": load_distributions.largest,
+        "loaded_share": load_distributions.loaded_share,
     }
     return [
         [
             {"index": i + 1, "side": side, **{key: json_number(values[i, s]) for key, values in found.items()}}
             for s, side in enumerate(SIDES)
-            if bands.largest[i, s] > 0.0
+            if load_distributions.largest[i, s] > 0.0
         ]
-        for i in range(bands.nominal.shape[0])
+        for i in range(load_distributions.nominal.shape[0])
     ]

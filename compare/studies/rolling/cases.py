@@ -6,21 +6,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollbench.compare.errors import Refusal
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearScene
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.hifi.rolling.balls import Choices, copy_without_ball_to_ball_contacts
-from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.balls import RollingSettings, copy_without_ball_to_ball_contacts
+from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.hifi.rolling.scenes import (
-    Layout,
-    Material,
+    BallLayoutOnTrack,
+    RollingMaterial,
     StaticProblem,
+    create_rolling_balls,
     hertz_constants,
-    linear_layout,
-    ring_layout,
-    rolling_scene,
-    screw_layout,
+    place_ball_in_ring,
+    place_balls_along_helix,
+    place_balls_on_straight_track,
     solve_loads_with_rolling,
     solve_static_problem,
 )
@@ -46,18 +46,18 @@ class RollingCase:
     #: Kind of the scene.
     kind: str
     #: Balls and grooves with the balls far apart.
-    apart: Rolling
+    apart: RollingBalls
     #: Balls and grooves with balls that touch.
-    touching: Rolling
+    touching: RollingBalls
     #: Speed of the driving part (m/s on a straight track, else rad/s).
     speed: float
     #: Names of the contacts of a ball.
-    contacts: tuple[str, ...]
+    contact_names: tuple[str, ...]
     #: Whether the contact loads depend on friction.
-    coupled: bool
+    loads_depend_on_friction: bool
 
 
-def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
+def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> RollingCase:
     """Return a friction scene as input of the 3D model of rolling, with its contact loads solved.
 
     Parameters
@@ -77,22 +77,24 @@ def prepare_rolling_case(scene: KindScene, choices: Choices) -> RollingCase:
     Refusal
         If the 3D model does not cover the scene.
     """
-    if isinstance(scene, LinearScene):
+    if isinstance(scene, LinearBearingScene):
         return _linear_case(scene)
     if isinstance(scene, ScrewPairScene):
         return _screw_case(scene, choices)
     if isinstance(scene, BearingBallScene):
         return _bearing_case(scene)
     reason = f"the 3D model of rolling takes one to {MOST} balls under given loads, not a scene of the kind {scene.kind}"
-    raise Refusal(scene.name, "kind", reason, "take one of the kind linear pair, linear chain, screw pair or bearing ball")
+    raise SceneNotCoveredError(
+        scene.name, "kind", reason, "take one of the kind linear pair, linear chain, screw pair or bearing ball"
+    )
 
 
-def _refuse_scene(scene: KindScene, key: str, reason: str, advice: str) -> None:
+def _refuse_scene(scene: FrictionScene, key: str, reason: str, advice: str) -> None:
     """Raise Refusal for a feature of a scene that the 3D model of rolling does not cover.
 
     ``key``: key of the scene file with this feature; ``reason`` and ``advice``: parts of the message.
     """
-    raise Refusal(scene.name, key, reason, advice)
+    raise SceneNotCoveredError(scene.name, key, reason, advice)
 
 
 def _contact_directions(angles: Array, signs: Array) -> Array:
@@ -103,50 +105,52 @@ def _contact_directions(angles: Array, signs: Array) -> Array:
     return np.asarray(signs * np.stack([np.sin(angles), np.cos(angles)], axis=-1))
 
 
-def _linear_case(scene: LinearScene) -> RollingCase:
+def _linear_case(scene: LinearBearingScene) -> RollingCase:
     """Return the balls of a linear bearing as input of the 3D model; raise Refusal for too many balls or no motion."""
-    b, count = scene.bearing, len(scene.side)
+    b, count = scene.bearing, len(scene.side_force_ratios)
     if count > MOST:
         _refuse_scene(
             scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls"
         )
     if b.speed == 0.0:
         _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
-    layout = linear_layout(
-        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
+    layout = place_balls_on_straight_track(
+        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.ball_gaps) <= 0.0
     )
-    material = Material(b.young, b.poisson, b.mu, b.mu_balls)
-    normals = _contact_directions(scene.angles, LINEAR)
-    if scene.distribution == "elastic":
+    material = RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
+    normals = _contact_directions(scene.contact_angles, LINEAR)
+    if scene.load_distribution == "elastic":
         found = [
             _loads_with_elastic_angles(scene, layout, material, n, float(r))
-            for n, r in zip(normals, scene.side, strict=True)
+            for n, r in zip(normals, scene.side_force_ratios, strict=True)
         ]
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
-        loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
-    whole = rolling_scene(layout, material, normals, loads)
+        loads = np.array(
+            [_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side_force_ratios, strict=True)]
+        )
+    whole = create_rolling_balls(layout, material, normals, loads)
     return RollingCase(
         scene.name, scene.kind, copy_without_ball_to_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False
     )
 
 
-def _loads_at_given_angles(scene: LinearScene, normals: Array, rho: float) -> Array:
+def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
     """Return the contact loads (4,) [N] of one ball of a linear bearing in equilibrium, at given contact angles.
 
     ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by
     those of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical
     force.
     """
-    if scene.distribution == "diagonal":
+    if scene.load_distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
-    carriage = scene.vertical * np.array([rho, -1.0])
+    carriage = scene.vertical_force * np.array([rho, -1.0])
     bottom, top = np.linalg.solve(normals[:2].T, carriage), np.linalg.solve(normals[2:].T, -carriage)
     return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
 
 
 def _loads_with_elastic_angles(
-    scene: LinearScene, layout: Layout, material: Material, normals: Array, rho: float
+    scene: LinearBearingScene, layout: BallLayoutOnTrack, material: RollingMaterial, normals: Array, rho: float
 ) -> tuple[Array, Array]:
     """Return contact normals (4, 2) and loads (4,) [N] of one ball of a linear bearing; contact angles follow the loads.
 
@@ -154,8 +158,8 @@ def _loads_with_elastic_angles(
     vertical force.
     """
     C = hertz_constants(layout, material)
-    pull = scene.vertical * np.array([rho, -1.0])
-    reach = layout.groove_radius - layout.radius
+    pull = scene.vertical_force * np.array([rho, -1.0])
+    reach = layout.groove_radius - layout.ball_radius
     none = np.zeros((1, 2))
     cell = StaticProblem(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
     found = solve_static_problem(cell)
@@ -169,13 +173,13 @@ def _loads_with_elastic_angles(
     return found.normal[0], found.force[0]
 
 
-def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
+def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     """Return two balls of a ball screw as input of the 3D model of rolling.
 
     ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz
     constants, friction that moves the screw, and a groove at rest.
     """
-    pair, g = scene.pair, scene.pair.groove
+    pair, g = scene.ball_pair, scene.ball_pair.groove
     if g.hertz != "right":
         _refuse_scene(
             scene,
@@ -191,23 +195,26 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
     signs = np.array(SIDE_SIGNS, dtype=float)
     outward = signs[:, 0]
     groove_speeds = np.where(outward < 0.0, g.screw_speed, g.nut_speed)
-    layout = screw_layout(
+    layout = place_balls_along_helix(
         g.ball_radius, g.groove_radius, g.pitch_radius, g.lead, g.contact_angle, outward, groove_speeds, len(pair.theta)
     )
-    material = Material(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
+    material = RollingMaterial(g.young, g.poisson, g.mu, g.mu if g.mu_balls is None else g.mu_balls)
     angles = g.contact_angle + np.array(pair.theta)[:, None] * np.array(pair.pattern)
     normals = signs * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     fixed = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2]}
     rows = np.stack(
         [
-            np.stack([np.array([1.0, 0.0]) if k == "r" else layout.section @ (f @ fixed[k]) for k in pair.free], axis=1)
-            for f in layout.frames
+            np.stack(
+                [np.array([1.0, 0.0]) if k == "r" else layout.section_directions @ (f @ fixed[k]) for k in pair.free],
+                axis=1,
+            )
+            for f in layout.ball_axes
         ]
     )
-    count = len(layout.frames)
+    count = len(layout.ball_axes)
     cell = StaticProblem(
         normals,
-        layout.groove_radius - layout.radius,
+        layout.groove_radius - layout.ball_radius,
         np.full((count, 4), pair.oversize),
         np.tile(hertz_constants(layout, material), (count, 1)),
         outward < 0.0,
@@ -220,13 +227,13 @@ def _screw_case(scene: ScrewPairScene, choices: Choices) -> RollingCase:
     scenes = []
     for meet in (False, True):
         if coupled:
-            loads, good = solve_loads_with_rolling(layout, material, cell, choices, meet=meet)
+            loads, good = solve_loads_with_rolling(layout, material, cell, choices, balls_may_touch=meet)
         else:
             loads = solve_static_problem(cell)
             good = loads.converged
         if not good:
             _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
-        scenes.append(rolling_scene(layout, material, loads.normal, loads.force))
+        scenes.append(create_rolling_balls(layout, material, loads.normal, loads.force))
     return RollingCase(
         scene.name,
         scene.kind,
@@ -245,7 +252,7 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
     than the exact ones, and a ring at rest.
     """
     b = scene.bearing
-    if scene.law != "coulomb" or b.hertz != "right":
+    if scene.friction_law != "coulomb" or b.hertz != "right":
         _refuse_scene(
             scene,
             "friction.law",
@@ -256,8 +263,8 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
         _refuse_scene(scene, "motion.speed", "a ball at rest does not roll", "let the ring turn")
     outward = RING[:, 1]
     speeds = np.where(outward < 0.0, b.screw_speed, 0.0)
-    layout = ring_layout(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
-    material = Material(b.young, b.poisson, b.mu, b.mu)
+    layout = place_ball_in_ring(b.ball_radius, b.groove_radius, b.pitch_radius, b.contact_angle, outward, speeds)
+    material = RollingMaterial(b.young, b.poisson, b.mu, b.mu)
     cell = StaticProblem(
         _contact_directions(np.full(4, b.contact_angle), RING)[None],
         b.groove_radius - b.ball_radius,
@@ -265,12 +272,12 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
         hertz_constants(layout, material)[None],
         outward < 0.0,
         np.array([[[1.0], [0.0]]]),
-        np.array([[0.0, scene.displacement]]),
-        np.array([scene.force]),
+        np.array([[0.0, scene.radial_displacement]]),
+        np.array([scene.axial_force]),
         np.zeros((1, 2)),
     )
     loads = solve_static_problem(cell)
     if not loads.converged:
         _refuse_scene(scene, "load", "contact loads do not balance", "take a load that presses the ball")
-    whole = rolling_scene(layout, material, loads.normal, loads.force)
+    whole = create_rolling_balls(layout, material, loads.normal, loads.force)
     return RollingCase(scene.name, scene.kind, whole, whole, b.screw_speed, ("IL", "IR", "OR", "OL"), False)

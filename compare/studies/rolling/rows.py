@@ -19,16 +19,16 @@ import numpy as np
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.gate.gate import GateCheck
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
-from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearPairScene, LinearScene
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, LinearBearingScene, LinearPairScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
-from rollbench.compare.studies.friction.linear_kinds import linear_loads
+from rollbench.compare.studies.friction.linear_kinds import linear_bearing_loads
 from rollbench.compare.studies.rolling.cases import prepare_rolling_case
 from rollbench.compare.studies.rolling.runs import (
     LEVELS,
@@ -37,31 +37,31 @@ from rollbench.compare.studies.rolling.runs import (
     SHAPE,
     SOURCE_LEVEL,
     SOURCE_SIZE,
-    BodyVariant,
+    BodyChoiceResult,
     RollingRun,
-    check_levels,
-    find_or_compute_runs,
+    check_rolling_levels,
+    find_or_compute_rolling_runs,
     largest_change_by_body_choice,
-    load_run,
+    load_rolling_run,
     scenes_and_sizes_of_body_variants,
 )
-from rollbench.hifi.rolling.balls import NEARLY_RIGID, Choices, compute_motion_from_rest, solve_rolling
+from rollbench.hifi.rolling.balls import NEARLY_RIGID, RollingSettings, compute_motion_from_rest, solve_rolling
 from rollbench.hifi.rolling.friction import PATH
-from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.lowfi.friction.bearing import SIDES, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
-from rollbench.lowfi.friction.screw.run import solve_pair
+from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 
 
-def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
+def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
     """Solve a friction scene of rolling balls by the low-order model; return values, run time and status.
 
     Values are forces, speeds and losses by names that end in the unit. The time [s] is that of a second solution, when
     code and caches are loaded.
     """
-    kinds: dict[type[KindScene], Callable[[Any], tuple[dict[str, float], str]]]
+    kinds: dict[type[FrictionScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
-        LinearScene: _linear_bearing_values,
+        LinearBearingScene: _linear_bearing_values,
         ScrewPairScene: _screw_pair_values,
         BearingBallScene: _bearing_ball_values,
     }
@@ -72,20 +72,20 @@ def solve_low_order(scene: KindScene) -> tuple[dict[str, float], float, str]:
     return values, perf_counter() - begin, status
 
 
-def _linear_bearing_values(scene: LinearScene) -> tuple[dict[str, float], str]:
+def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float], str]:
     """Solve the balls of a linear bearing by the low-order model; return values and status.
 
     Values have names that end in the unit, such as "force 1-2 N".
     """
-    angles, force, _ = linear_loads(scene)
+    angles, force, _ = linear_bearing_loads(scene)
     apart, near = (
         solve_linear_chain(prepare_linear_chain(scene.bearing, angles, force, t), fast=False)
-        for t in (False, scene.gap <= 0.0)
+        for t in (False, scene.ball_gaps <= 0.0)
     )
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
-    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.deviation)}
+    out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.velocity_deviation)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
-    out |= {"drive apart N": apart.drive, "drive touching N": near.drive}
+    out |= {"drive apart N": apart.carriage_drive_force, "drive touching N": near.carriage_drive_force}
     out["increase %"] = 100.0 * (near.loss / apart.loss - 1.0)
     return out, next((r.status for r in (apart, near) if r.status != "converged"), "converged")
 
@@ -95,8 +95,8 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
     Values have names that end in the unit, such as "force 1-2 N".
     """
-    found = solve_pair(scene.pair)
-    apart, near = found.free.motion, found.touching.motion
+    found = solve_pair_of_screw_balls(scene.ball_pair)
+    apart, near = found.apart.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
     out |= {f"orbit {k + 1} apart rad/s": float(q[0]) for k, q in enumerate(apart.q)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}
@@ -109,11 +109,13 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
 
     Values have names that end in the unit, such as "torque N mm".
     """
-    found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
-    q, loss = found.motion.q, found.motion.friction.loss
+    found = solve_ball_of_bearing(scene.bearing, scene.axial_force, scene.radial_displacement)
+    q, loss = found.motion.unknown_velocities, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
     out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}
-    return out | {"torque N mm": 1e3 * found.torque}, "converged" if found.motion.status != "failed" else "failed"
+    return out | {
+        "torque N mm": 1e3 * found.inner_ring_torque
+    }, "converged" if found.motion.status != "failed" else "failed"
 
 
 #: Safety factor on the differences between grids, as in grid convergence indices for three grids.
@@ -236,7 +238,7 @@ def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def compare_scene_with_rolling_runs(
-    scene: KindScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None
+    scene: FrictionScene, runs: Sequence[RollingRun], half_space: RollingRun | None = None
 ) -> list[RollingComparisonRow]:
     """Compare the low-order model of a scene with 3D solutions of rolling; return one row for each quantity.
 
@@ -308,17 +310,17 @@ def compare_scene_with_stored_runs(
     There is one row for each quantity, and none if a solution is missing. ``name``: name of the scene; ``stores``:
     folders with solutions; ``bodies``: bodies of the 3D model, half spaces ("half-space") or finite.
     """
-    scene = shipped_case(name, KindScene)
-    found = [load_run(scene, level, stores, bodies) for level in LEVELS]
+    scene = shipped_case(name, FrictionScene)
+    found = [load_rolling_run(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
-    half_space = None if bodies == HALF_SPACE else load_run(scene, max(LEVELS), stores)
+    half_space = None if bodies == HALF_SPACE else load_rolling_run(scene, max(LEVELS), stores)
     return compare_scene_with_rolling_runs(scene, runs, half_space) if len(runs) == len(LEVELS) else []
 
 
 # --- rows of the gate: low-order models of rolling balls against the 3D model
 
 
-def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck]:
+def gate_rows_of_rolling_balls(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check ball-to-ball forces and torques of low-order models of rolling balls against stored 3D solutions.
 
     The rows are a part of ``rollbench check``. ``max_error``: largest allowed error [%]; the limit is this or `LIMIT`,
@@ -326,7 +328,7 @@ def gate_rows_of_rolling_balls(study: Study, max_error: float) -> list[GateCheck
     that `KNOWN` lists although its error is within the limit fails.
     """
     out: list[GateCheck] = []
-    stores = study.stores or (shipped_store(),)
+    stores = cache.reference_folders or (shipped_store(),)
     limit = min(LIMIT, max_error)
     for name in (*PAIRS, *RINGS):
         rows = [row for row in compare_scene_with_stored_runs(name, stores) if row.quantity in GATED]
@@ -363,7 +365,7 @@ class RunFromRest:
     #: Speeds of the balls [m/s].
     speed: tuple[tuple[float, ...], ...]
     #: Steady force on the same grid [N].
-    steady: float
+    steady_force: float
     #: Processor time [s].
     seconds: float
     #: Status of the solver.
@@ -376,15 +378,15 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
 
     The results are computed once in a process.
     """
-    choices = Choices(SHAPE)
+    choices = RollingSettings(SHAPE)
     scene = prepare_rolling_case(shipped_case("lin-pair-a", LinearPairScene), choices).touching
-    steady = float(solve_rolling(scene, choices).force[0])
+    steady = float(solve_rolling(scene, choices).ball_to_ball_forces[0])
     out = []
     for count in STEPS:
         run = compute_motion_from_rest(scene, DURATION, count, GAP, choices)
-        force = tuple(map(float, run.force[:, 0]))
-        speed = tuple(tuple(map(float, row)) for row in run.speed)
-        out.append(RunFromRest(count, tuple(map(float, run.time)), force, speed, steady, run.seconds, run.status))
+        force = tuple(map(float, run.ball_to_ball_forces[:, 0]))
+        speed = tuple(tuple(map(float, row)) for row in run.track_speeds)
+        out.append(RunFromRest(count, tuple(map(float, run.times)), force, speed, steady, run.cpu_seconds, run.status))
     return tuple(out)
 
 
@@ -409,20 +411,20 @@ class ChoiceEffect:
     #: Name of the choice.
     choice: str
     #: Variants that were tried.
-    tried: str
+    tried_variants: str
     #: Largest change of the force [%].
     change: float
     #: Stated uncertainty of the force [%].
     uncertainty: float
 
     @property
-    def within(self) -> bool:
+    def is_within_uncertainty(self) -> bool:
         """Whether the change of the ball-to-ball force is at most its stated uncertainty."""
         return self.change <= self.uncertainty
 
 
 def force_changes_by_numerical_choices(
-    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
+    stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyChoiceResult]
 ) -> tuple[ChoiceEffect, ...]:
     """Return how numerical choices of the 3D model of rolling change the ball-to-ball force of two scenes.
 
@@ -441,19 +443,19 @@ def force_changes_by_numerical_choices(
 
 
 def _force_changes_in_scene(
-    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyVariant]
+    name: str, stores: Sequence[Path], series: Sequence[RunFromRest], sizes: Sequence[BodyChoiceResult]
 ) -> Iterator[ChoiceEffect]:
     """Yield the change of a scene's ball-to-ball force by grid, finite bodies, time step and regularisation of friction.
 
     ``name``: name of the scene; the other arguments are those of `force_changes_by_numerical_choices`.
     """
-    scene = shipped_case(name, KindScene)
+    scene = shipped_case(name, FrictionScene)
     half, finite = (_force_uncertainty_percent(name, stores, *bodies) for bodies in ((), (FINITE,)))
-    run = load_run(scene, max(LEVELS), stores)
+    run = load_rolling_run(scene, max(LEVELS), stores)
     if run is None or half is None:
         return
-    key, case = f"{FORCE} N", prepare_rolling_case(scene, Choices(SHAPE)).touching
-    near, elastic = (_solve_ball_to_ball_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
+    key, case = f"{FORCE} N", prepare_rolling_case(scene, RollingSettings(SHAPE)).touching
+    near, elastic = (_solve_ball_to_ball_force(case, RollingSettings(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest_error_percent([run.limit[key] + elastic - near], run.values[key])
     yield ChoiceEffect(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
     values = [
@@ -467,21 +469,21 @@ def _force_changes_in_scene(
         yield ChoiceEffect(name, "finite bodies", tried, _largest_error_percent(values[1:], values[0]), finite)
     if name == LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
-        ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
+        ends = [s.force[-1] / s.steady_force if s.status == "converged" else np.nan for s in series]
         yield ChoiceEffect(name, "time step", tried, _largest_error_percent(ends, 1.0), half)
-    first, *others = (_solve_ball_to_ball_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
+    first, *others = (_solve_ball_to_ball_force(case, RollingSettings(SHAPE), path) for path in (PATH, *PATHS.values()))
     yield ChoiceEffect(name, "path of regularisation", ", ".join(PATHS), _largest_error_percent(others, first), half)
 
 
-def _solve_ball_to_ball_force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
+def _solve_ball_to_ball_force(scene: RollingBalls, choices: RollingSettings, path: tuple[float, ...] = PATH) -> float:
     """Solve a system of rolling balls in 3D; return the force between the first two balls [N].
 
     ``scene``: the system; ``choices``: grid and bodies; ``path``: successive creep speeds (sliding speeds below which
     the regularised friction law is nearly linear) over the largest sliding speed, in the order in which the solver
     takes them. Nan if the solver does not converge.
     """
-    found = solve_rolling(scene, choices, creeping_ratios=path)
-    return float(found.force[0]) if found.converged else np.nan
+    found = solve_rolling(scene, choices, smoothing_ratios=path)
+    return float(found.ball_to_ball_forces[0]) if found.converged else np.nan
 
 
 def _largest_error_percent(values: Sequence[float], reference: float) -> float:
@@ -502,7 +504,13 @@ def _force_uncertainty_percent(name: str, stores: Sequence[Path], *bodies: str) 
 
 
 def rolling_comparison(
-    scenes: Sequence[KindScene], levels: tuple[int, ...] | None, store: Path, engine: Engine, *, fresh: bool, bodies: str
+    scenes: Sequence[FrictionScene],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    fresh: bool,
+    bodies: str,
 ) -> list[RollingComparisonRow]:
     """Compare low-order models of rolling balls with the 3D model of rolling; return a row for each quantity of each scene.
 
@@ -511,19 +519,28 @@ def rolling_comparison(
     bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution
     did not converge.
     """
-    wanted = check_levels(levels or tuple(LEVELS))
+    wanted = check_rolling_levels(levels or tuple(LEVELS))
     out: list[RollingComparisonRow] = []
     for scene in scenes:
-        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        found = find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         half_space = (
-            None if bodies == HALF_SPACE else find_or_compute_runs(scene, wanted[-1:], store, Engine(), fresh=False)[0]
+            None
+            if bodies == HALF_SPACE
+            else find_or_compute_rolling_runs(scene, wanted[-1:], store, ComputingSettings(), fresh=False)[0]
         )
         out += compare_scene_with_rolling_runs(scene, found, half_space)
     return out
 
 
 def rolling_mesh_study(
-    scenes: Sequence[KindScene], levels: int | None, store: Path, engine: Engine, *, source: bool, fresh: bool, bodies: str
+    scenes: Sequence[FrictionScene],
+    levels: int | None,
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    source: bool,
+    fresh: bool,
+    bodies: str,
 ) -> list[dict[str, Any]]:
     """Return table rows with every quantity of rolling balls on every grid of the 3D model, and its uncertainty.
 
@@ -540,15 +557,15 @@ def rolling_mesh_study(
     out: list[dict[str, Any]] = []
     for scene in scenes:
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        found = find_or_compute_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        found = find_or_compute_rolling_runs(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
         grids = [run for run in found if run.level != SOURCE_LEVEL]
         for key in found[-1].values:
-            share = without_infinity({"uncertainty": quantity_uncertainty(grids, key)})
+            share = none_for_infinity({"uncertainty": quantity_uncertainty(grids, key)})
             out += [grid_study_row_of_quantity(scene.name, run, key) | share for run in found]
     return out
 
 
-def without_infinity(row: dict[str, Any]) -> dict[str, Any]:
+def none_for_infinity(row: dict[str, Any]) -> dict[str, Any]:
     """Return a table row with None in place of infinite values."""
     return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
 

@@ -21,21 +21,21 @@ from time import process_time
 
 import numpy as np
 
-from rollbench.compare.errors import ArgumentError, Refusal
+from rollbench.compare.errors import ArgumentError, SceneNotCoveredError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import error_percent
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.reference.levels import FINITE, HALF_SPACE
-from rollbench.compare.reference.parallel import as_done
-from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
+from rollbench.compare.reference.parallel import run_jobs
+from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
 from rollbench.compare.running import out_of_memory_error, show_progress_message
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as shipped_case
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling.cases import RollingCase, prepare_rolling_case
 from rollbench.hifi.rolling import balls
-from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, Choices, solve_rigid_rolling, solve_rolling
+from rollbench.hifi.rolling.balls import FIRST, NEARLY_RIGID, RollingSettings, solve_rigid_rolling, solve_rolling
 from rollbench.hifi.rolling.bodies import Sizes
-from rollbench.hifi.rolling.kinematics import Rolling
+from rollbench.hifi.rolling.kinematics import RollingBalls
 from rollbench.hifi.rolling.patch import MARGIN
 from rollbench.meshes.record_keys import digest_of_values
 
@@ -102,9 +102,9 @@ class RollingRun:
     machine: str = ""
 
     @property
-    def measured(self) -> Measured:
+    def measured(self) -> MeasuringConditions:
         """Version of rollbench, sources and machine with which the run times were measured."""
-        return Measured(self.version, self.sources, self.machine)
+        return MeasuringConditions(self.version, self.sources, self.machine)
 
     @property
     def converged(self) -> bool:
@@ -117,7 +117,7 @@ class RollingRun:
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
-def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
+def rolling_run_key(scene: FrictionScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Return the digest (16 hexadecimal digits) of all inputs that affect the numbers of a 3D solution of rolling.
 
     Names and remarks of the scene do not change it. ``level``: level of the grid; ``bodies``: kind of the bodies, a key
@@ -129,25 +129,30 @@ def run_key(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     return digest_of_values(*content, *(() if sizes is None else (sizes, MESHED)))[:16]
 
 
-def run_path(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
+def rolling_run_path(store: Path, scene: FrictionScene, level: int, bodies: str = HALF_SPACE) -> Path:
     """Return the path of the JSON file of a 3D solution of rolling.
 
     ``store``: folder; ``level``: level of the grid; ``bodies``: kind of the bodies, a key of `BODIES`.
     """
     what = "" if bodies == HALF_SPACE else f"-{bodies}"
-    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{run_key(scene, level, bodies)}.json"
+    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{rolling_run_key(scene, level, bodies)}.json"
 
 
-def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
+def load_rolling_run(
+    scene: FrictionScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE
+) -> RollingRun | None:
     """Return the stored 3D solution of a scene of rolling balls on one grid; None if there is none.
 
     ``level``: level of the grid; ``stores``: folders, of which the first that has the solution counts; ``bodies``: kind
     of the bodies, a key of `BODIES`. A solution is also found if the scene had another name when it was stored. Damaged
     files are ignored.
     """
-    key = run_key(scene, level, bodies)
+    key = rolling_run_key(scene, level, bodies)
     for store in stores:
-        for path in (run_path(store, scene, level, bodies), *sorted(store.glob(f"rolling-*-level{level}-{key}.json"))):
+        for path in (
+            rolling_run_path(store, scene, level, bodies),
+            *sorted(store.glob(f"rolling-*-level{level}-{key}.json")),
+        ):
             try:
                 stored = json.loads(path.read_text(encoding="utf-8"))
                 return RollingRun(**(stored | {"shape": tuple(stored["shape"])}))
@@ -156,9 +161,9 @@ def load_run(scene: KindScene, level: int, stores: Sequence[Path], bodies: str =
     return None
 
 
-def save_run(store: Path, scene: KindScene, run: RollingRun) -> Path:
+def save_rolling_run(store: Path, scene: FrictionScene, run: RollingRun) -> Path:
     """Write a 3D solution of rolling to a JSON file in the folder ``store``, and return the path of the file."""
-    path = run_path(store, scene, run.level, run.bodies)
+    path = rolling_run_path(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
@@ -172,12 +177,12 @@ def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
     if level != SOURCE_LEVEL:
         return LEVELS[level]
     size = SOURCE_SIZE[case.kind]
-    largest = max((t for b in case.touching.balls for t in b.touches), key=lambda t: t.load)
+    largest = max((t for b in case.touching.balls for t in b.groove_contacts), key=lambda t: t.contact_force)
     along, across = (max(1, round(2.0 * MARGIN * a / size)) for a in balls.hertz_semi_axes(case.touching, largest))
     return along, across
 
 
-def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
+def compute_run(scene: FrictionScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
     """Solve a scene of rolling balls by the 3D model on one grid.
 
     Parameters
@@ -210,20 +215,20 @@ def compute_run(scene: KindScene, level: int, bodies: str = HALF_SPACE, processe
     except ValueError as error:
         if bodies == HALF_SPACE:
             raise
-        raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
+        raise SceneNotCoveredError(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
 
 
-def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
+def _solve_on_grid(scene: FrictionScene, level: int, bodies: str, processes: int) -> RollingRun:
     """Solve a scene of rolling balls on one grid with elastic, nearly rigid and flat bodies, and with rigid bodies.
 
     The arguments are those of `compute_run`.
     """
     begin, sizes = process_time(), BODIES[bodies]
-    case = prepare_rolling_case(scene, balls.Choices(LEVELS.get(level, LEVELS[1])))
+    case = prepare_rolling_case(scene, balls.RollingSettings(LEVELS.get(level, LEVELS[1])))
     shape = grid_shape(case, level)
     elsewhere = balls.cache_kernels_of_scenes((case.apart, case.touching), sizes, processes)
     pairs = {
-        name: _solve_apart_and_touching(case, balls.Choices(shape, share, curved, sizes))
+        name: _solve_apart_and_touching(case, balls.RollingSettings(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", balls.NEARLY_RIGID, True), ("flat", 1.0, False))
     }
     limits = [[balls.solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
@@ -241,17 +246,19 @@ def _solve_on_grid(scene: KindScene, level: int, bodies: str, processes: int) ->
         {k: abs(fine[k] - other[k]) for k in fine},
         measured["flat"],
         states[0] if states else "converged",
-        max(r.upwind / r.power for r in (apart, touching)),
+        max(r.numerical_dissipation / r.driving_power for r in (apart, touching)),
         max(r.residual for pair in pairs.values() for r in pair),
-        elsewhere + apart.seconds + touching.seconds,
+        elsewhere + apart.cpu_seconds + touching.cpu_seconds,
         elsewhere + process_time() - begin,
-        int(sum(int(c.stick.sum()) for c in touching.contacts)),
+        int(sum(int(c.sticks.sum()) for c in touching.contacts)),
         bodies,
         **asdict(measuring_conditions()),
     )
 
 
-def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tuple[balls.RollingResult, balls.RollingResult]:
+def _solve_apart_and_touching(
+    case: RollingCase, choices: balls.RollingSettings
+) -> tuple[balls.RollingResult, balls.RollingResult]:
     """Return the 3D solution with balls far apart, then the 3D solution with balls that touch.
 
     ``case``: both systems of balls; if they are the same, they are solved once. ``choices``: grid of the contacts, and
@@ -262,7 +269,9 @@ def _solve_apart_and_touching(case: RollingCase, choices: balls.Choices) -> tupl
 
 
 def forces_speeds_and_losses_by_name(
-    case: RollingCase, apart: balls.RollingResult | balls.RigidResult, touching: balls.RollingResult | balls.RigidResult
+    case: RollingCase,
+    apart: balls.RollingResult | balls.RigidRollingResult,
+    touching: balls.RollingResult | balls.RigidRollingResult,
 ) -> dict[str, float]:
     """Return forces, speeds, losses and torque of a 3D solution by names that end with the unit, such as "force 1-2 N".
 
@@ -271,35 +280,35 @@ def forces_speeds_and_losses_by_name(
     """
     out: dict[str, float] = {}
     linear = case.kind.startswith("linear")
-    for k, force in enumerate(touching.force):
+    for k, force in enumerate(touching.ball_to_ball_forces):
         out[f"force {k + 1}-{k + 2} N"] = float(force)
-    for k, speed in enumerate(apart.speed):
+    for k, speed in enumerate(apart.track_speeds):
         if linear:
             out[f"deviation {k + 1} apart %"] = float(200.0 * speed / case.speed - 100.0)
         else:
-            out[f"orbit {k + 1} apart rad/s" if len(apart.speed) > 1 else "orbit rad/s"] = float(speed)
+            out[f"orbit {k + 1} apart rad/s" if len(apart.track_speeds) > 1 else "orbit rad/s"] = float(speed)
     if case.apart is case.touching:
-        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotation[0][:2], strict=True)}
-        names = [case.contacts[t] for t in _loaded_contacts(case.apart)]
+        out |= {f"omega {axis} rad/s": float(w) for axis, w in zip("xy", apart.rotations[0][:2], strict=True)}
+        names = [case.contact_names[t] for t in _loaded_contacts(case.apart)]
         out |= {f"loss {n} mW": 1e3 * float(v) for n, v in zip(names, _contact_losses(apart), strict=True)}
-        return out | {"torque N mm": 1e3 * float(apart.loss) / abs(case.speed)}
-    out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.loss), 1e3 * float(touching.loss)
+        return out | {"torque N mm": 1e3 * float(apart.friction_loss) / abs(case.speed)}
+    out["loss apart mW"], out["loss touching mW"] = 1e3 * float(apart.friction_loss), 1e3 * float(touching.friction_loss)
     if linear:
-        out["drive apart N"], out["drive touching N"] = (r.loss / abs(case.speed) for r in (apart, touching))
-    out["increase %"] = 100.0 * (float(touching.loss / apart.loss) - 1.0)
+        out["drive apart N"], out["drive touching N"] = (r.friction_loss / abs(case.speed) for r in (apart, touching))
+    out["increase %"] = 100.0 * (float(touching.friction_loss / apart.friction_loss) - 1.0)
     return out
 
 
-def _loaded_contacts(scene: Rolling) -> list[int]:
+def _loaded_contacts(scene: RollingBalls) -> list[int]:
     """Return the indices of the loaded contacts of the first ball of a system of rolling balls."""
-    return [k for k, t in enumerate(scene.balls[0].touches) if t.load > 0.0]
+    return [k for k, t in enumerate(scene.balls[0].groove_contacts) if t.contact_force > 0.0]
 
 
-def _contact_losses(result: balls.RollingResult | balls.RigidResult) -> list[float]:
+def _contact_losses(result: balls.RollingResult | balls.RigidRollingResult) -> list[float]:
     """Return the friction loss [W] at each contact of a solution, elastic or rigid."""
     if isinstance(result, balls.RollingResult):
-        return [c.loss for c in result.contacts]
-    return [float(v) for v in np.asarray(result.contact_loss)]
+        return [c.friction_loss for c in result.contacts]
+    return [float(v) for v in np.asarray(result.groove_losses)]
 
 
 #: Scenes for choices of finite bodies: two balls of a linear bearing on bars, two of a screw on patches of the static 3D
@@ -314,7 +323,7 @@ NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
-class BodyVariant:
+class BodyChoiceResult:
     """Forces and losses of rolling balls in 3D after one modelling choice of the finite bodies is changed."""
 
     #: Description of the choice.
@@ -346,27 +355,29 @@ def scenes_and_sizes_of_body_variants() -> dict[str, tuple[str, Sizes | None]]:
     }
 
 
-def compute_variant(choice: str) -> BodyVariant:
+def compute_body_variant(choice: str) -> BodyChoiceResult:
     """Solve rolling balls in 3D with one changed modelling choice of the finite bodies.
 
     ``choice``: a description of `scenes_and_sizes_of_body_variants`.
     """
     name, sizes = scenes_and_sizes_of_body_variants()[choice]
-    scene = shipped_case(name, KindScene)
-    case = prepare_rolling_case(scene, Choices(SHAPE))
+    scene = shipped_case(name, FrictionScene)
+    case = prepare_rolling_case(scene, RollingSettings(SHAPE))
     systems = (case.apart, case.touching)
     elastic, near = (
-        forces_speeds_and_losses_by_name(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in systems))
+        forces_speeds_and_losses_by_name(
+            case, *(solve_rolling(s, RollingSettings(SHAPE, e, finite_bodies=sizes)) for s in systems)
+        )
         for e in (1.0, NEARLY_RIGID)
     )
     limit = forces_speeds_and_losses_by_name(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in systems))
-    return BodyVariant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
+    return BodyChoiceResult(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
 
 
 @lru_cache(maxsize=1)
-def compute_body_variants() -> tuple[BodyVariant, ...]:
+def compute_body_variants() -> tuple[BodyChoiceResult, ...]:
     """Solve rolling balls in 3D with every compared choice of finite bodies; computed once in a process."""
-    return tuple(compute_variant(choice) for choice in scenes_and_sizes_of_body_variants())
+    return tuple(compute_body_variant(choice) for choice in scenes_and_sizes_of_body_variants())
 
 
 # --- stored variants of the finite bodies, whose computation takes half a minute
@@ -380,23 +391,24 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 
 
 @dataclass(frozen=True)
-class StoredVariants:
+class StoredBodyChoiceResults:
     """Results for changed choices of the finite bodies, with a sentence on whether they were stored or computed."""
 
     #: The variants.
-    variants: tuple[BodyVariant, ...]
+    variants: tuple[BodyChoiceResult, ...]
     #: Sentence on whether they were stored or computed.
-    words: str
+    origin_sentence: str
 
 
-def variants_key() -> str:
+def body_variants_key() -> str:
     """Return a digest of all inputs, except names and remarks, that affect the stored results for finite bodies."""
     return digest_of_values(
-        *(run_key(shipped_case(name, KindScene), 1, FINITE) for name in SCENES), scenes_and_sizes_of_body_variants()
+        *(rolling_run_key(shipped_case(name, FrictionScene), 1, FINITE) for name in SCENES),
+        scenes_and_sizes_of_body_variants(),
     )
 
 
-def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants:
+def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoiceResults:
     """Return the stored results for changed choices of finite bodies; compute and store them if inputs have changed.
 
     ``stores``: folders, the first of which takes new results; ``fresh``: whether they are computed even if they are
@@ -407,11 +419,11 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredVariants
         found = compute_body_variants()
         if fresh:
             rows = ",\n ".join(json.dumps(asdict(one)) for one in found)
-            replace_file(stores[0] / FILE, f'{{"key": "{variants_key()}", "variants": [\n {rows}]}}\n')
-        return StoredVariants(found, "Computed for this report.")
-    again, then = compute_variant(LIVE), next(one for one in kept if one.choice == LIVE)
+            replace_file(stores[0] / FILE, f'{{"key": "{body_variants_key()}", "variants": [\n {rows}]}}\n')
+        return StoredBodyChoiceResults(found, "Computed for this report.")
+    again, then = compute_body_variant(LIVE), next(one for one in kept if one.choice == LIVE)
     off = max(abs(float(error_percent(again.values[name], value))) for name, value in then.values.items())
-    return StoredVariants(kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.')
+    return StoredBodyChoiceResults(kept, f'Stored with the package; "{LIVE}" computed again differs by up to {off:.1g} %.')
 
 
 def largest_change_by_body_choice(straight: bool) -> float:
@@ -431,21 +443,27 @@ def largest_change_by_body_choice(straight: bool) -> float:
     return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
-def _load_variants(stores: Sequence[Path]) -> tuple[BodyVariant, ...] | None:
+def _load_variants(stores: Sequence[Path]) -> tuple[BodyChoiceResult, ...] | None:
     """Return the results for choices of finite bodies from the first folder that has them for these inputs, or None."""
     for store in stores:
         try:
             found = json.loads((store / FILE).read_text(encoding="utf-8"))
-            rows = tuple(BodyVariant(**row) for row in found["variants"])
+            rows = tuple(BodyChoiceResult(**row) for row in found["variants"])
         except (OSError, ValueError, KeyError, TypeError):
             continue
-        if found["key"] == variants_key() and any(one.choice == LIVE for one in rows):
+        if found["key"] == body_variants_key() and any(one.choice == LIVE for one in rows):
             return rows
     return None
 
 
-def find_or_compute_runs(
-    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = "half-space"
+def find_or_compute_rolling_runs(
+    scene: FrictionScene,
+    levels: Sequence[int],
+    store: Path,
+    engine: ComputingSettings,
+    *,
+    fresh: bool,
+    bodies: str = "half-space",
 ) -> list[RollingRun]:
     """Return the 3D solutions of a scene of rolling balls on several grids; those that are not stored are computed.
 
@@ -454,22 +472,24 @@ def find_or_compute_runs(
     again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
     """
     stores = (store, shipped_store())
-    found = {} if fresh else {k: run for k in levels if (run := load_run(scene, k, stores, bodies)) is not None}
+    found = {} if fresh else {k: run for k in levels if (run := load_rolling_run(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
-    jobs = [(compute_run, (scene, k, bodies, engine.processes)) for k in missing]
-    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers, engine.wait):
-        save_run(store, scene, run)
+    jobs = [(compute_run, (scene, k, bodies, engine.processes_per_job)) for k in missing]
+    for number, run in run_jobs(
+        jobs, engine.backend, engine.scheduler_address, engine.parallel_jobs, engine.worker_wait_seconds
+    ):
+        save_rolling_run(store, scene, run)
         found[missing[number]] = run
         show_progress_message(
             f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s"
         )
     bad = next((found[k] for k in levels if not found[k].converged), None)
     if bad is not None:
-        raise Refusal(scene.name, f"level {bad.level}", bad.status, "choose another level of the grid")
+        raise SceneNotCoveredError(scene.name, f"level {bad.level}", bad.status, "choose another level of the grid")
     return [found[k] for k in levels]
 
 
-def check_levels(levels: Sequence[int]) -> list[int]:
+def check_rolling_levels(levels: Sequence[int]) -> list[int]:
     """Return the given grid levels as a list; raise InputError for a level that the 3D model of rolling does not have."""
     other = [k for k in levels if k not in LEVELS]
     if other:

@@ -57,7 +57,7 @@ class VariedKey:
     #: Dotted path of the key with indices from 0, such as ``loads[0].force[2]``; paths of several keys are joined by ``+``.
     key: str
     #: Key with its range or values, as the user wrote it.
-    text: str
+    stated_text: str
     #: Low end of a range.
     low: float = 0.0
     #: High end of a range.
@@ -65,17 +65,17 @@ class VariedKey:
     #: Unit of a range.
     unit: str = ""
     #: Whether only whole numbers of the range are used, both ends included.
-    whole: bool = False
+    whole_numbers_only: bool = False
     #: Values of a list, as in a scene file; empty for a range.
-    choices: tuple[Any, ...] = ()
+    listed_values: tuple[Any, ...] = ()
 
-    def value_at_coordinate(self, u: float) -> Any:
-        """Return the value of the key at the relative position ``u`` (0 to 1) in its range or list, as in a scene file."""
-        if self.choices:
-            return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
-        if self.whole:
-            return min(int(self.low + u * (self.high - self.low + 1.0)), int(self.high))
-        number = float(f"{self.low + u * (self.high - self.low):.12g}")
+    def value_at_relative_position(self, relative_position: float) -> Any:
+        """Return the value of the key at a relative position (0 to 1) in its range or list, as in a scene file."""
+        if self.listed_values:
+            return self.listed_values[min(int(relative_position * len(self.listed_values)), len(self.listed_values) - 1)]
+        if self.whole_numbers_only:
+            return min(int(self.low + relative_position * (self.high - self.low + 1.0)), int(self.high))
+        number = float(f"{self.low + relative_position * (self.high - self.low):.12g}")
         return f"{number!r} {self.unit}" if self.unit else number
 
     def as_number(self, value: Any) -> float:
@@ -83,31 +83,34 @@ class VariedKey:
 
         For a range it is the number in the range's unit, for a list the position of the value in the list from 1.
         """
-        if self.choices:
-            return 1.0 + self.choices.index(value)
+        if self.listed_values:
+            return 1.0 + self.listed_values.index(value)
         return float(value) if isinstance(value, int | float) else float(_split_quantity(value)[0])
 
     @property
     def trial_values(self) -> tuple[Any, ...]:
         """Values with which the scene is checked before anything is solved: all of a list, or both ends of a range."""
-        return self.choices or (self.value_at_coordinate(0.0), self.value_at_coordinate(1.0))
+        return self.listed_values or (self.value_at_relative_position(0.0), self.value_at_relative_position(1.0))
 
     @property
-    def label(self) -> str:
+    def axis_label(self) -> str:
         """Key with its unit or list of values, for tables and axes."""
-        if self.choices:
-            return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
-        return f"{self.name} / {self.unit}" if self.unit else self.name
+        if self.listed_values:
+            return (
+                f"{self.short_name} "
+                f"({', '.join(str(c) for c in self.listed_values[:6])}{', ...' if len(self.listed_values) > 6 else ''})"
+            )
+        return f"{self.short_name} / {self.unit}" if self.unit else self.short_name
 
     @property
-    def paths(self) -> list[str]:
+    def key_paths(self) -> list[str]:
         """Paths of all keys of the scene that take this value."""
         return self.key.split("+")
 
     @property
-    def name(self) -> str:
+    def short_name(self) -> str:
         """Short name: path of the first key, and number of other keys that take the same value."""
-        first, *others = self.paths
+        first, *others = self.key_paths
         return f"{first} (+{len(others)})" if others else first
 
 
@@ -115,22 +118,22 @@ def read_varied_keys_of_table(texts: Sequence[str], argument: str = "over") -> t
     """Read the varied keys of a table from texts, each with all its values.
 
     ``texts``: a text for each key, such as ``track.contact_angle=40:50:3 deg``; ``argument``: name of the argument in error
-    messages. The texts have the form that `read_vary` reads, but a range needs a number of values, and the list of texts
-    may be empty. Raises InputError for anything else.
+    messages. The texts have the form that `read_varied_keys` reads, but a range needs a number of values, and the list of
+    texts may be empty. Raises InputError for anything else.
     """
     try:
-        keys = read_vary(texts) if texts else ()
+        keys = read_varied_keys(texts) if texts else ()
         for one in keys:
-            if not one.choices:
-                raise _error_for_variation(
-                    one.text, "a number of values, KEY=A:B:N, or a list", f"write for example {one.key}=1:5:9"
+            if not one.listed_values:
+                raise _error_for_vary_text(
+                    one.stated_text, "a number of values, KEY=A:B:N, or a list", f"write for example {one.key}=1:5:9"
                 )
     except ArgumentError as error:
         raise ArgumentError(argument, *error.args[1:]) if error.key == "vary" else error from None
     return keys
 
 
-def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
+def read_varied_keys(texts: Sequence[str]) -> tuple[VariedKey, ...]:
     """Read the varied keys of a sweep from texts such as "balls.count=20,24", one for each key.
 
     Raises InputError for a text of another form, and for a key that is named twice.
@@ -138,14 +141,14 @@ def read_vary(texts: Sequence[str]) -> tuple[VariedKey, ...]:
     found = tuple(_read_varied_key(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise ArgumentError("vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
-    paths = [path for one in found for path in one.paths]
+    paths = [path for one in found for path in one.key_paths]
     for path in paths:
         if paths.count(path) > 1:
             raise ArgumentError("vary", path, "each key once", "put all its values into one text")
     return found
 
 
-def _error_for_variation(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
+def _error_for_vary_text(value: str, allowed: str, advice: str = f"give {_FORM}") -> ArgumentError:
     """Return the ArgumentError for a text of the argument ``vary`` that cannot be used.
 
     ``value``: text or value that the user gave; ``allowed``: which values are allowed; ``advice``: how to correct the text.
@@ -158,15 +161,15 @@ def _read_varied_key(text: str) -> VariedKey:
     key, sign, values = (piece.strip() for piece in text.partition("="))
     if not sign or not _PATH.fullmatch(key) or not values:
         advice = 'write for example `vary="errors.balls.oversize=0 um:7 um"` or `vary="loads[0].force[2]=1 kN,5 kN"`'
-        raise _error_for_variation(text, _FORM, advice)
+        raise _error_for_vary_text(text, _FORM, advice)
     if ":" in values:
         return _read_range(key, text, values)
     parts = [piece.strip() for piece in values.split(",")]
     if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
-        raise _error_for_variation(text, f"2 to {MOST_VALUES} values with commas between")
+        raise _error_for_vary_text(text, f"2 to {MOST_VALUES} values with commas between")
     if len(set(parts)) < len(parts):
-        raise _error_for_variation(text, "each value once", "remove the repeated one")
-    return VariedKey(key, text, choices=tuple(_read_scalar(piece) for piece in parts))
+        raise _error_for_vary_text(text, "each value once", "remove the repeated one")
+    return VariedKey(key, text, listed_values=tuple(_toml_value_or_text(piece) for piece in parts))
 
 
 def _read_range(key: str, text: str, values: str) -> VariedKey:
@@ -175,20 +178,25 @@ def _read_range(key: str, text: str, values: str) -> VariedKey:
     ``key``: path of the key; ``text``: whole text as the user wrote it, for error messages; ``values``: the range in it.
     """
     if any(map(has_comma_in_number, values.split(":"))):
-        raise _error_for_variation(text, "numbers with a point", COMMA)
+        raise _error_for_vary_text(text, "numbers with a point", COMMA)
     try:
         (first, unit), (second, other), *steps = map(_split_quantity, values.split(":"))
     except ValueError:
-        raise _error_for_variation(text, "two numbers, with or without unit") from None
+        raise _error_for_vary_text(text, "two numbers, with or without unit") from None
     units = list(dict.fromkeys(x for x in (unit, other, *(of for _, of in steps)) if x))
     if len(units) > 1:
-        raise _error_for_variation(text, "one unit for both ends", f"write both in {units[-1]}")
+        raise _error_for_vary_text(text, "one unit for both ends", f"write both in {units[-1]}")
     low, high, common = float(first), float(second), "".join(units)
     if not low < high:
-        raise _error_for_variation(text, "A below B", "exchange A and B, or give a list of values")
+        raise _error_for_vary_text(text, "A below B", "exchange A and B, or give a list of values")
     if steps:
         return VariedKey(
-            key, text, low, high, common, choices=_equally_spaced_values(text, low, high, common, [n for n, _ in steps])
+            key,
+            text,
+            low,
+            high,
+            common,
+            listed_values=_equally_spaced_values(text, low, high, common, [n for n, _ in steps]),
         )
     whole = not common and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
     return VariedKey(key, text, low, high, common, whole)
@@ -201,7 +209,7 @@ def _equally_spaced_values(text: str, low: float, high: float, unit: str, count:
     values, as a list with one text.
     """
     if len(count) != 1 or not re.fullmatch(r"\d{1,4}", count[0]) or not 2 <= int(count[0]) <= MOST_VALUES:
-        raise _error_for_variation(
+        raise _error_for_vary_text(
             text, f"A:B:N with N from 2 to {MOST_VALUES}", "write for example nut.position=100:900:9 mm"
         )
     numbers = [float(f"{x:.12g}") for x in np.linspace(low, high, int(count[0]))]
@@ -218,7 +226,7 @@ def _split_quantity(text: str) -> tuple[str, str]:
     return found
 
 
-def _read_scalar(text: str) -> Any:
+def _toml_value_or_text(text: str) -> Any:
     """Return the value that a text such as "24" or "true" has in TOML; the text itself if it is not valid TOML."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
@@ -233,23 +241,23 @@ def tables_with_varied_keys(raw: dict[str, Any], keys: Sequence[VariedKey], valu
     keys; ``values``: a value for each key. Raises InputError for the index of a list entry that does not exist.
     """
     out = copy.deepcopy(raw)
-    for path in (p for vary in keys for p in vary.paths):
+    for path in (p for vary in keys for p in vary.key_paths):
         for other in _other_keys_for_same_quantity(path):
             _remove_key(out, other)
     for vary, value in zip(keys, values, strict=True):
-        for path in vary.paths:
-            _set_key(out, path, value)
+        for path in vary.key_paths:
+            _set_key_value(out, path, value)
     return out
 
 
-def pairs_of_varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[VariedKey]) -> list[tuple[str, str]]:
+def varied_and_replaced_keys(raw: dict[str, Any], keys: Sequence[VariedKey]) -> list[tuple[str, str]]:
     """Return pairs of keys that state the same quantity: a varied key, and the key of the scene that it replaces.
 
     An example is ``balls.radius``, which replaces ``balls.diameter``. ``raw``: TOML tables of the scene; ``keys``: varied
     keys.
     """
     pairs = dict.fromkeys(
-        (path, other) for vary in keys for path in vary.paths for other in _other_keys_for_same_quantity(path)
+        (path, other) for vary in keys for path in vary.key_paths for other in _other_keys_for_same_quantity(path)
     )
     return [(path, other) for path, other in pairs if _remove_key(copy.deepcopy(raw), other)]
 
@@ -266,7 +274,7 @@ def _remove_key(raw: dict[str, Any], key: str) -> bool:
     """Remove a key from a scene's TOML tables, and its table if that gets empty; return whether the key was there."""
     above, _, last = key.rpartition(".")
     node: Any = raw
-    for step in _path_steps(above):
+    for step in _key_path_entries(above):
         try:
             node = node[step]
         except (KeyError, IndexError, TypeError):
@@ -279,39 +287,39 @@ def _remove_key(raw: dict[str, Any], key: str) -> bool:
     return True
 
 
-def _path_steps(key: str) -> list[str | int]:
+def _key_path_entries(key: str) -> list[str | int]:
     """Split a key's path, such as ``loads[0].force[2]``, into names of tables and indices of lists."""
     return [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
 
 
-def _set_key(raw: dict[str, Any], key: str, value: Any) -> None:
+def _set_key_value(raw: dict[str, Any], key: str, value: Any) -> None:
     """Set the value of a key in a scene's TOML tables, and create missing tables.
 
     ``key``: path of the key. Raises InputError for the index of a list entry that does not exist, and for a path through a
     value that is no table.
     """
-    *above, last = _path_steps(key)
+    *above, last = _key_path_entries(key)
     node: Any = raw
     for step in above:
-        _check_entry(node, step, key)
+        _check_path_entry(node, step, key)
         node = node.setdefault(step, {}) if isinstance(node, dict) else node[step]
-    _check_entry(node, last, key)
+    _check_path_entry(node, last, key)
     node[last] = value
 
 
-def _check_entry(node: Any, step: str | int, key: str) -> None:
+def _check_path_entry(table_or_list: Any, entry: str | int, key: str) -> None:
     """Raise InputError if a table or list of a scene cannot have the next entry of a key's path.
 
-    ``node``: the table or list; ``step``: name or index of the entry; ``key``: whole path, for the error message.
+    ``table_or_list``: the table or list; ``entry``: name or index of the entry; ``key``: whole path, for the error message.
     """
     allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
-    if isinstance(node, dict) and isinstance(step, str):
+    if isinstance(table_or_list, dict) and isinstance(entry, str):
         return
-    if isinstance(node, list) and isinstance(step, int):
-        if step < len(node):
+    if isinstance(table_or_list, list) and isinstance(entry, int):
+        if entry < len(table_or_list):
             return
-        allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
-    raise _error_for_variation(key, allowed, "look up the key in the scene file, or by: rollbench schema")
+        allowed = f"entries 0 to {len(table_or_list) - 1}" if table_or_list else "no entry: the scene's list is empty"
+    raise _error_for_vary_text(key, allowed, "look up the key in the scene file, or by: rollbench schema")
 
 
 #: Design of a sweep's samples.
@@ -324,22 +332,22 @@ METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")
 MOST = 1_000_000
 
 
-def base_points(samples: int, keys: int) -> int:
+def base_point_count(sample_count: int, key_count: int) -> int:
     """Return the number n of base points of a sweep's design, from which Sobol indices are computed.
 
-    ``samples``: requested number of samples; ``keys``: number of varied keys. n is the power of two, at least 2, for which
-    the ratio of the number of samples n (keys + 2) to ``samples`` is nearest to 1.
+    ``sample_count``: requested number of samples; ``key_count``: number of varied keys. n is the power of two, at least 2,
+    for which the ratio of the number of samples n (keys + 2) to ``sample_count`` is nearest to 1.
     """
-    return max(2, 1 << max(0, round(math.log2(max(samples, 1) / (keys + 2)))))
+    return max(2, 1 << max(0, round(math.log2(max(sample_count, 1) / (key_count + 2)))))
 
 
-def design_points(method: Method, keys: Sequence[VariedKey], samples: int, seed: int) -> Array:
+def sample_coordinates(method: Method, keys: Sequence[VariedKey], samples: int, seed: int) -> Array:
     """Return the m samples of a sweep's design as coordinates in the ranges of d varied keys, (m, d) from 0 to 1.
 
     Equal arguments give equal samples. The designs are:
 
     - sobol: n base points A, n base points B, and for each key the points A with the coordinate of that key from B
-      (Saltelli et al. 2010), in that order: m = n (d + 2), n by `base_points`.
+      (Saltelli et al. 2010), in that order: m = n (d + 2), n by `base_point_count`.
     - lhs: a Latin hypercube.
     - grid: all combinations of the values of lists and of equally spaced values of ranges, ends included, at most
       ``samples``.
@@ -373,29 +381,32 @@ def design_points(method: Method, keys: Sequence[VariedKey], samples: int, seed:
     if method == "lhs":
         return np.asarray(qmc.LatinHypercube(d, rng=np.random.default_rng(seed)).random(samples))
     if method == "grid":
-        return _grid_points(keys, samples)
-    n = base_points(samples, d)
+        return _grid_coordinates(keys, samples)
+    n = base_point_count(samples, d)
     joined = qmc.Sobol(2 * d, rng=np.random.default_rng(seed)).random(n)
     a, b = joined[:, :d], joined[:, d:]
     mixed = [np.where(np.arange(d) == k, b, a) for k in range(d)]
     return np.concatenate([a, b, *mixed])
 
 
-def _grid_points(keys: Sequence[VariedKey], samples: int) -> Array:
+def _grid_coordinates(keys: Sequence[VariedKey], largest_count: int) -> Array:
     """Return all m combinations of the values of d varied keys as coordinates in their ranges, (m, d) from 0 to 1.
 
-    ``samples``: largest number m of combinations. Raises InputError if it is too small for all values of lists and both
-    ends of ranges.
+    ``largest_count``: largest number m of combinations. Raises InputError if it is too small for all values of lists and
+    both ends of ranges.
     """
-    fixed = math.prod(len(v.choices) for v in keys if v.choices)
-    ranges = sum(not v.choices for v in keys)
-    steps = int((samples / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
-    if fixed > samples or (ranges and steps < 2):
+    fixed = math.prod(len(v.listed_values) for v in keys if v.listed_values)
+    ranges = sum(not v.listed_values for v in keys)
+    steps = int((largest_count / fixed) ** (1.0 / ranges) + 1e-9) if ranges else 1
+    if fixed > largest_count or (ranges and steps < 2):
         least = fixed * 2**ranges
         raise ArgumentError(
-            "samples", str(samples), f"{least} or more for this grid", "allow more samples, or take `method=lhs`"
+            "samples", str(largest_count), f"{least} or more for this grid", "allow more samples, or take `method=lhs`"
         )
-    axes = [(np.arange(len(v.choices)) + 0.5) / len(v.choices) if v.choices else np.linspace(0.0, 1.0, steps) for v in keys]
+    axes = [
+        (np.arange(len(v.listed_values)) + 0.5) / len(v.listed_values) if v.listed_values else np.linspace(0.0, 1.0, steps)
+        for v in keys
+    ]
     return np.array(list(product(*axes)))
 
 
@@ -404,4 +415,4 @@ def key_values_at_coordinates(keys: Sequence[VariedKey], coordinates: Array) -> 
 
     ``coordinates``: position of the sample in the range of each key, (d,) from 0 to 1.
     """
-    return [vary.value_at_coordinate(float(u)) for vary, u in zip(keys, coordinates, strict=True)]
+    return [vary.value_at_relative_position(float(u)) for vary, u in zip(keys, coordinates, strict=True)]

@@ -20,31 +20,31 @@ from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
 from rollbench.compare import __version__
-from rollbench.compare.errors import ArgumentError, InputError, ProgramError, Refusal
+from rollbench.compare.errors import ArgumentError, InputError, ProgramError, SceneNotCoveredError
 from rollbench.compare.files import replace_file, write_figure
 from rollbench.compare.models import user_models
-from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model, find_model
+from rollbench.compare.models.registry import AXIS_MODELS, DEFAULT, MODELS, default_model_name, model_by_name
 from rollbench.compare.reference import parallel
-from rollbench.compare.reference.jobs import Engine, run_jobs_where_faster
+from rollbench.compare.reference.jobs import ComputingSettings, run_jobs_in_fastest_way
 from rollbench.compare.scenes import catalogue, scene_file, scene_tables
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep.keys import (
     Method,
     VariedKey,
-    base_points,
-    design_points,
+    base_point_count,
     key_values_at_coordinates,
-    pairs_of_varied_and_replaced_keys,
-    read_vary,
+    read_varied_keys,
+    sample_coordinates,
     tables_with_varied_keys,
+    varied_and_replaced_keys,
 )
 from rollbench.compare.studies.sweep.sample import (
     CONVERGED,
     MAIN,
     OUTPUTS,
     Record,
-    reason_without_numbers,
+    refusal_reason_without_numbers,
     solve_and_append_batch,
     solve_sample_or_refuse,
 )
@@ -66,7 +66,7 @@ MANY = 100
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepDefinition:
     """Definition of a sweep: scene, varied keys, design of the samples, model and outputs."""
 
     #: Text of the scene file.
@@ -93,12 +93,12 @@ class Sweep:
 
     def coordinates(self) -> Array:
         """Return the positions of the m samples in the ranges of the d varied keys, (m, d) from 0 to 1."""
-        return design_points(self.method, self.keys, self.samples, self.seed)
+        return sample_coordinates(self.method, self.keys, self.samples, self.seed)
 
     def header(self) -> dict[str, Any]:
         """Return all inputs on which the results of the samples depend, as JSON values that identify the sweep."""
         names = ("samples", "method", "seed", "model")
-        what = {"scene": self.origin, "text": self.text, "vary": [vary.text for vary in self.keys]}
+        what = {"scene": self.origin, "text": self.text, "vary": [vary.stated_text for vary in self.keys]}
         some: dict[str, Any] = {"outputs_kept": list(self.wanted_outputs)} if self.outputs else {}
         if self.model not in MODELS:
             some["model_of"] = user_models.origin_of_model(self.model)
@@ -112,40 +112,42 @@ class Sweep:
         raw = scene_file.parse_toml(self.text, self.origin)
         scene = scene_tables.scene_from_tables(raw, self.origin)
         if not isinstance(scene, Assembly):
-            find_model(self.model, excluded=("condensed",))
+            model_by_name(self.model, excluded_names=("condensed",))
         elif self.model not in AXIS_MODELS:
             raise ArgumentError("model", self.model, ", ".join(AXIS_MODELS), "choose one of these")
-        scene_file.scenes_of_load_cases(scene, self.origin)
+        scene_file.scenes_to_solve(scene, self.origin)
         for vary in self.keys:
             for value in vary.trial_values:
                 scene_tables.validated_keys(tables_with_varied_keys(raw, [vary], [value]), self.origin)
 
 
-def solve_samples_of_sweep(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, sample.Record]:
+def solve_missing_samples(
+    sweep: SweepDefinition, folder: Path, engine: ComputingSettings, show_progress: Step
+) -> dict[int, sample.Record]:
     """Solve those samples of a sweep that its folder does not hold yet, and return the records of all samples by number.
 
-    ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples; ``step``:
-    function that is called with each line of progress. Raises InputError if the sweep is not valid, if the folder holds
-    something else, or if worker processes are lost.
+    ``folder``: folder of the stored samples; ``engine``: number of processes, or cluster, that solve the samples;
+    ``show_progress``: function that is called with each line of progress. Raises InputError if the sweep is not valid, if
+    the folder holds something else, or if worker processes are lost.
     """
     sweep.check()
     places = sweep.coordinates()
-    if not sample.records_by_sample(folder):
-        _raise_if_first_samples_are_refused(sweep, places)
-    for path, other in pairs_of_varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
-        step(f"{path} takes the place of the scene's {other}")
+    if not sample.stored_records_by_sample(folder):
+        _check_first_samples_are_accepted(sweep, places)
+    for path, other in varied_and_replaced_keys(scene_file.parse_toml(sweep.text, sweep.origin), sweep.keys):
+        show_progress(f"{path} takes the place of the scene's {other}")
     sample.create_or_check_sweep_folder(folder, sweep.header())
     with sample.reserve_sweep_folder(folder) as token:
-        have = sample.records_by_sample(folder)
+        have = sample.stored_records_by_sample(folder)
         left = [n for n in range(len(places)) if n not in have]
-        step(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
+        show_progress(f"{len(places)} samples, {len(have)} stored in {folder}, {len(left)} to solve")
         if left:
-            _solve_missing_samples(sweep, folder, engine, step, (token, places, left))
-            have = sample.records_by_sample(folder)
+            _solve_samples_in_batches(sweep, folder, engine, show_progress, (token, places, left))
+            have = sample.stored_records_by_sample(folder)
     return have
 
 
-def _raise_if_first_samples_are_refused(sweep: Sweep, coordinates: Array) -> None:
+def _check_first_samples_are_accepted(sweep: SweepDefinition, coordinates: Array) -> None:
     """Raise InputError if scene or model refuse each of the first samples of a sweep for the same reason.
 
     Samples are tried until one is accepted. ``coordinates``: positions of the m samples in the ranges of the d varied keys,
@@ -166,29 +168,33 @@ def _raise_if_first_samples_are_refused(sweep: Sweep, coordinates: Array) -> Non
             return
         except InputError as error:
             refused.append(error)
-    if len({reason_without_numbers(error) for error in refused}) > 1:
+    if len({refusal_reason_without_numbers(error) for error in refused}) > 1:
         return
     if isinstance(refused[-1], ProgramError):
         raise refused[-1]
     few = (
         f"each of the first {min(FIRST, len(coordinates))} samples is refused for the same reason, the last one as follows"
     )
-    raise Refusal(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
+    raise SceneNotCoveredError(sweep.origin, "vary", f"{few}: {refused[-1]}", "vary other keys, or other ranges")
 
 
-def _solve_missing_samples(
-    sweep: Sweep, folder: Path, engine: Engine, step: Step, token_places_and_numbers: tuple[str, Array, list[int]]
+def _solve_samples_in_batches(
+    sweep: SweepDefinition,
+    folder: Path,
+    engine: ComputingSettings,
+    show_progress: Step,
+    token_coordinates_and_numbers: tuple[str, Array, list[int]],
 ) -> None:
     """Solve those samples of a sweep that are not stored yet, in batches, and store them.
 
-    ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress; ``token_places_and_numbers``: token that identifies the present execution of
-    the sweep, positions of all m samples in the ranges of the keys (m, d), and numbers of the missing samples.
+    ``folder``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
+    function that is called with each line of progress; ``token_coordinates_and_numbers``: token that identifies the present
+    execution of the sweep, positions of all m samples in the ranges of the keys (m, d), and numbers of the missing samples.
     """
-    token, places, left = token_places_and_numbers
+    token, places, left = token_coordinates_and_numbers
     kernels = "compiled" if len(places) >= COMPILE_FROM else "interpreted"
     what = (sweep.text, sweep.origin, sweep.keys, sweep.model, kernels, sweep.wanted_outputs)
-    workers = engine.workers or (MANY if engine.scheduler else 1)
+    workers = engine.parallel_jobs or (MANY if engine.scheduler_address else 1)
     size = max(1, min(LARGEST_BATCH, len(left) // (BATCHES * workers)))
     batches = [left[k : k + size] for k in range(0, len(left), size)]
     jobs: list[parallel.Job] = [
@@ -200,12 +206,12 @@ def _solve_missing_samples(
     ]
     writer = sample.RecordWriter(folder, token)
     done = failed = 0
-    for _, (records, stored) in run_jobs_where_faster(jobs, engine, "samples", step):
+    for _, (records, stored) in run_jobs_in_fastest_way(jobs, engine, "samples", show_progress):
         if not stored:
             writer.append(records)
         done += len(records)
         failed += sum(record["status"] != "converged" for record in records)
-        step(f"[{done}/{len(left)}] {failed} failed")
+        show_progress(f"[{done}/{len(left)}] {failed} failed")
 
 
 #: Number of listed samples with the largest contact loads, number of parts of a range for main effects, and levels of the
@@ -220,7 +226,7 @@ RESAMPLES, CONFIDENCE, LEAST = 200, 0.95, 8
 CONSTANT = 1e-9
 
 
-def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
 
     ``records``: records of the samples by their numbers. Failed samples are counted by reason, with one example each.
@@ -238,7 +244,7 @@ def summarise_sweep(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, An
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": first[reason], "samples": n} for reason, n in reasons.most_common()],
-        "outputs": {name: output_statistics(output_of_samples(good, name)) for name in sweep.wanted_outputs},
+        "outputs": {name: output_statistics(output_values(good, name)) for name in sweep.wanted_outputs},
         "main_effects": main_effects(sweep.keys, good),
         "worst": sorted(good, key=lambda row: -row[MAIN])[:WORST],
         "indices": sobol_indices_by_output(sweep, records),
@@ -250,22 +256,22 @@ def converged_records(records: Mapping[int, Record]) -> list[Record]:
     return [records[n] for n in sorted(records) if records[n]["status"] == CONVERGED]
 
 
-def output_of_samples(rows: Sequence[Record], name: str) -> Array:
+def output_values(records: Sequence[Record], name: str) -> Array:
     """Return the values of one output in k samples as an array (k,); nan for a sample without this output.
 
-    ``rows``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
+    ``records``: records of the samples; ``name``: name of the output, a key of `OUTPUTS`.
     """
-    return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
+    return np.array([np.nan if row[name] is None else row[name] for row in records], dtype=float)
 
 
-def key_values_of_samples(keys: Sequence[VariedKey], rows: Sequence[Record]) -> Array:
+def key_values_as_numbers(keys: Sequence[VariedKey], records: Sequence[Record]) -> Array:
     """Return the values of d varied keys in k samples as an array of numbers (k, d).
 
-    ``rows``: records of the samples. A value from a list is replaced by its position in the list, see
+    ``records``: records of the samples. A value from a list is replaced by its position in the list, see
     `VariedKey.as_number`.
     """
-    found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in rows]
-    return np.array(found, dtype=float).reshape(len(rows), len(keys))
+    found = [[vary.as_number(v) for vary, v in zip(keys, row["values"], strict=True)] for row in records]
+    return np.array(found, dtype=float).reshape(len(records), len(keys))
 
 
 def output_statistics(values: Array) -> dict[str, float] | None:
@@ -290,35 +296,40 @@ def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str,
     value of the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``:
     records of the converged samples.
     """
-    x, y = key_values_of_samples(keys, rows), output_of_samples(rows, MAIN)
+    x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
     return {
-        vary.key: [_means_of_sample_group(x[g, k], y[g]) for g in _masks_of_key_ranges(vary, x[:, k])]
+        vary.key: [_means_of_sample_group(x[g, k], y[g]) for g in _sample_masks_by_key_range(vary, x[:, k])]
         for k, vary in enumerate(keys)
     }
 
 
-def _masks_of_key_ranges(vary: VariedKey, x: Array) -> list[NDArray[np.bool_]]:
+def _sample_masks_by_key_range(varied_key: VariedKey, key_values: Array) -> list[NDArray[np.bool_]]:
     """Group k samples by the value of a varied key: return a Boolean mask (k,) for each part of its range or list value.
 
-    ``vary``: the key; ``x``: values of the key in the samples, (k,).
+    ``varied_key``: the key; ``key_values``: values of the key in the samples, (k,).
     """
-    distinct = np.unique(x)
-    if distinct.size <= BINS or vary.choices:
-        return [x == value for value in distinct]
-    bins = np.clip(((x - vary.low) / (vary.high - vary.low) * BINS).astype(int), 0, BINS - 1)
+    distinct = np.unique(key_values)
+    if distinct.size <= BINS or varied_key.listed_values:
+        return [key_values == value for value in distinct]
+    bins = np.clip(((key_values - varied_key.low) / (varied_key.high - varied_key.low) * BINS).astype(int), 0, BINS - 1)
     return [bins == k for k in np.unique(bins)]
 
 
-def _means_of_sample_group(x: Array, y: Array) -> dict[str, float]:
+def _means_of_sample_group(key_values: Array, outputs: Array) -> dict[str, float]:
     """Return for a group of k samples the mean of a key and of an output, its standard error, and the number of samples.
 
-    ``x``: values of the key (k,); ``y``: values of the output (k,).
+    ``key_values``: values of the key (k,); ``outputs``: values of the output (k,).
     """
-    error = float(y.std(ddof=1) / np.sqrt(y.size)) if y.size > 1 else 0.0
-    return {"at": float(x.mean()), "mean": float(y.mean()), "standard_error": error, "samples": int(y.size)}
+    error = float(outputs.std(ddof=1) / np.sqrt(outputs.size)) if outputs.size > 1 else 0.0
+    return {
+        "at": float(key_values.mean()),
+        "mean": float(outputs.mean()),
+        "standard_error": error,
+        "samples": int(outputs.size),
+    }
 
 
-def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
+def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the Sobol indices of every output with confidence intervals of level `CONFIDENCE`, or the reason for none.
 
     For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
@@ -328,7 +339,7 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
-    d, n = len(sweep.keys), base_points(sweep.samples, len(sweep.keys))
+    d, n = len(sweep.keys), base_point_count(sweep.samples, len(sweep.keys))
     rows = [records.get(k) for k in range(n * (d + 2))]
     good = np.array([row is not None and row["status"] == CONVERGED for row in rows]).reshape(d + 2, n)
     whole = np.flatnonzero(good.all(axis=0))
@@ -342,17 +353,19 @@ def sobol_indices_by_output(sweep: Sweep, records: Mapping[int, Record]) -> dict
     return found
 
 
-def _sobol_indices_with_intervals(keys: Sequence[VariedKey], y: Array, seed: int) -> dict[str, dict[str, float]] | None:
+def _sobol_indices_with_intervals(
+    keys: Sequence[VariedKey], outputs: Array, seed: int
+) -> dict[str, dict[str, float]] | None:
     """Return the Sobol indices of one output for each key, with intervals by resampling; None for a constant output.
 
-    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys, at
-    the points A with the coordinate of this key from B; ``seed``: seed of the resampling.
+    ``outputs``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each of d keys,
+    at the points A with the coordinate of this key from B; ``seed``: seed of the resampling.
     """
-    if not np.all(np.isfinite(y)) or y[:2].std() <= CONSTANT * abs(y[:2].mean()):
+    if not np.all(np.isfinite(outputs)) or outputs[:2].std() <= CONSTANT * abs(outputs[:2].mean()):
         return None
-    n = y.shape[1]
+    n = outputs.shape[1]
     rng = np.random.default_rng([seed, n])
-    drawn = np.stack([np.stack(_sobol_estimates(y[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
+    drawn = np.stack([np.stack(_sobol_estimates(outputs[:, rng.integers(0, n, n)])) for _ in range(RESAMPLES)])
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
     out = {}
@@ -360,20 +373,22 @@ def _sobol_indices_with_intervals(keys: Sequence[VariedKey], y: Array, seed: int
         out[vary.key] = {
             f"{kind}{end}": float(value[i, k])
             for i, kind in enumerate(("first", "total"))
-            for end, value in (("", np.stack(_sobol_estimates(y))), ("_low", low), ("_high", high))
+            for end, value in (("", np.stack(_sobol_estimates(outputs))), ("_low", low), ("_high", high))
         }
     return out
 
 
-def _sobol_estimates(y: Array) -> tuple[Array, Array]:
+def _sobol_estimates(outputs: Array) -> tuple[Array, Array]:
     """Return the first-order, then the total Sobol indices of an output, each (d,) for d keys.
 
-    ``y``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each key, at the
-    points A with the coordinate of this key from B.
+    ``outputs``: output (d + 2, n) at n base points A (first row), at n base points B (second row), and, for each key, at
+    the points A with the coordinate of this key from B.
     """
-    d = len(y) - 2
-    mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
-    found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
+    d = len(outputs) - 2
+    mixtures = (
+        outputs[2:] if d > 1 else np.repeat(outputs[2:], 2, axis=0)
+    )  # scipy 1.17 fails for a single key: it is given twice
+    found = sobol_indices(func={"f_A": outputs[:1], "f_B": outputs[1:2], "f_AB": mixtures[:, None, :]}, n=outputs.shape[1])
     return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]
 
 
@@ -387,32 +402,32 @@ SEED = "errors.seed"
 def sweep_figures(name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
     """Return the figures of a sweep; the list is empty with fewer than two converged samples.
 
-    ``name``: start of the figures' names; ``summary``: summary of the sweep from `summarise_sweep`; ``rows``: records of
+    ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``rows``: records of
     the converged samples.
     """
     if len(rows) < 2:
         return []
     shown, left = _keys_with_largest_effect(keys, summary)
-    return [*figures_from_sweep_summary(name, keys, summary), _scatter_figure(name, keys, shown, rows, left)]
+    return [*figures_from_sweep_summary(name, keys, summary), _sample_scatter_figure(name, keys, shown, rows, left)]
 
 
 def figures_from_sweep_summary(
     name: str,
     keys: Sequence[VariedKey],
     summary: Mapping[str, Any],
-    short_name: Callable[[VariedKey], str] = lambda vary: vary.name,
+    short_name: Callable[[VariedKey], str] = lambda vary: vary.short_name,
 ) -> list[Figure]:
     """Return those figures of a sweep that need its summary only, without the records of the samples.
 
-    ``name``: start of the figures' names; ``summary``: summary of the sweep from `summarise_sweep`; ``short_name``:
+    ``name``: start of the figures' names; ``summary``: summary of the sweep from `sweep_summary_json`; ``short_name``:
     function that returns the short name of a key.
     """
     shown, left = _keys_with_largest_effect(keys, summary)
     figures = [
-        _effects_figure(name, [keys[k] for k in shown], summary, left, short_name),
-        _worst_figure(name, keys, summary["worst"], short_name),
+        _main_effects_figure(name, [keys[k] for k in shown], summary, left, short_name),
+        _worst_samples_figure(name, keys, summary["worst"], short_name),
     ]
-    indices = _indices_figure(name, keys, summary["indices"], short_name)
+    indices = _sobol_indices_figure(name, keys, summary["indices"], short_name)
     return figures if indices is None else [*figures, indices]
 
 
@@ -420,16 +435,16 @@ def _keys_with_largest_effect(keys: Sequence[VariedKey], summary: Mapping[str, A
     """Return the indices of the varied keys with the largest effects on the largest load, then a sentence on left-out keys.
 
     At most `PANELS` keys are returned, as many as a figure has panels. A seed of random errors is left out, because an
-    output has no trend over it. ``summary``: summary of the sweep from `summarise_sweep`.
+    output has no trend over it. ``summary``: summary of the sweep from `sweep_summary_json`.
     """
-    ordered = _indices_of_ordered_keys(keys)
-    shown = sorted(ordered, key=lambda k: -_range_of_mean_outputs(summary["main_effects"][keys[k].key]))[:PANELS]
+    ordered = _indices_of_keys_without_seed(keys)
+    shown = sorted(ordered, key=lambda k: -_main_effect_size(summary["main_effects"][keys[k].key]))[:PANELS]
     return shown, "" if len(shown) == len(
         ordered
     ) else f" Shown are the {PANELS} keys with the largest effects, of {len(ordered)} varied keys."
 
 
-def _indices_of_ordered_keys(keys: Sequence[VariedKey]) -> list[int]:
+def _indices_of_keys_without_seed(keys: Sequence[VariedKey]) -> list[int]:
     """Return the indices of the varied keys without the seed of random errors; of all keys if only the seed varies.
 
     Values of a seed have no meaningful order.
@@ -437,7 +452,7 @@ def _indices_of_ordered_keys(keys: Sequence[VariedKey]) -> list[int]:
     return [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
 
 
-def _range_of_mean_outputs(groups: Sequence[Mapping[str, float]]) -> float:
+def _main_effect_size(groups: Sequence[Mapping[str, float]]) -> float:
     """Return the effect of a key: difference between largest and smallest mean output over groups of samples.
 
     ``groups``: entries of `main_effects` for the key.
@@ -446,13 +461,18 @@ def _range_of_mean_outputs(groups: Sequence[Mapping[str, float]]) -> float:
     return max(means) - min(means)
 
 
-def _effects_figure(
-    name: str, keys: Sequence[VariedKey], summary: Mapping[str, Any], left: str, called: Callable[[VariedKey], str]
+def _main_effects_figure(
+    figure_name: str,
+    keys: Sequence[VariedKey],
+    summary: Mapping[str, Any],
+    left_out_sentence: str,
+    short_name: Callable[[VariedKey], str],
 ) -> Figure:
     """Return a figure of the mean of the largest contact load over each varied key, with its standard error.
 
-    ``name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep; ``left``:
-    sentence on keys that are left out, empty if there are none; ``called``: function that returns the short name of a key.
+    ``figure_name``: start of the figure's name; ``keys``: varied keys to show; ``summary``: summary of the sweep;
+    ``left_out_sentence``: sentence on keys that are left out, empty if there are none; ``short_name``: function that
+    returns the short name of a key.
     """
     panels = []
     for vary in keys:
@@ -460,43 +480,45 @@ def _effects_figure(
         at, mean = [g["at"] for g in groups], [g["mean"] for g in groups]
         bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
-        series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
-        short = called(vary)
-        label = vary.label if short == vary.name or not vary.unit else f"{short} / {vary.unit}"
-        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
-    caption = "Mean largest load of the samples in each part of the key's range; bars: standard error." + left
-    return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
+        series = Series("mean", at, mean, "line+markers", error_bars=(bars, ends))
+        short = short_name(vary)
+        label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
+        panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.listed_values)))
+    caption = "Mean largest load of the samples in each part of the key's range; bars: standard error." + left_out_sentence
+    return Figure(f"{figure_name}-effects", f"{figure_name}: main effects", tuple(panels), caption, same_y=True)
 
 
-def _scatter_figure(
-    name: str, keys: Sequence[VariedKey], shown: Sequence[int], rows: Sequence[Record], left: str
+def _sample_scatter_figure(
+    name: str, keys: Sequence[VariedKey], shown: Sequence[int], rows: Sequence[Record], left_out_sentence: str
 ) -> Figure:
     """Return a figure of the largest contact load of single samples over each varied key that is shown.
 
     ``name``: start of the figure's name; ``shown``: indices of the keys that are shown; ``rows``: records of the samples;
-    ``left``: sentence on keys that are left out, empty if there are none.
+    ``left_out_sentence``: sentence on keys that are left out, empty if there are none.
     """
     some = list(rows[:: max(1, len(rows) // POINTS)])
-    x, y = key_values_of_samples(keys, some), output_of_samples(some, MAIN)
+    x, y = key_values_as_numbers(keys, some), output_values(some, MAIN)
     panels = tuple(
-        Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
+        Panel(
+            keys[k].short_name, keys[k].axis_label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),)
+        )
         for k in shown
     )
-    return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
+    return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left_out_sentence}")
 
 
-def _worst_figure(
-    name: str, keys: Sequence[VariedKey], worst: Sequence[Record], called: Callable[[VariedKey], str]
+def _worst_samples_figure(
+    name: str, keys: Sequence[VariedKey], worst: Sequence[Record], short_name: Callable[[VariedKey], str]
 ) -> Figure:
     """Return a figure of the samples with the largest contact loads: position of each varied key in its range.
 
-    ``name``: start of the figure's name; ``worst``: records of these samples; ``called``: function that returns the short
-    name of a key.
+    ``name``: start of the figure's name; ``worst``: records of these samples; ``short_name``: function that returns the
+    short name of a key.
     """
-    kept = _indices_of_ordered_keys(keys)
-    x, keys = key_values_of_samples(keys, worst)[:, kept], [keys[k] for k in kept]
-    low = np.array([1.0 if v.choices else v.low for v in keys])
-    high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
+    kept = _indices_of_keys_without_seed(keys)
+    x, keys = key_values_as_numbers(keys, worst)[:, kept], [keys[k] for k in kept]
+    low = np.array([1.0 if v.listed_values else v.low for v in keys])
+    high = np.array([float(len(v.listed_values)) if v.listed_values else v.high for v in keys])
     place = (x - low) / (high - low)
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = tuple(
@@ -504,17 +526,21 @@ def _worst_figure(
     )
     caption = "Position of each varied key in its range (0 to 1), in the samples with the largest contact loads."
     panel = Panel(
-        "samples with the largest loads", "", "position in the range of the key", series, names=[called(v) for v in keys]
+        "samples with the largest loads",
+        "",
+        "position in the range of the key",
+        series,
+        abscissa_names=[short_name(v) for v in keys],
     )
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
 
 
-def _indices_figure(
-    name: str, keys: Sequence[VariedKey], indices: Mapping[str, Any], called: Callable[[VariedKey], str]
+def _sobol_indices_figure(
+    name: str, keys: Sequence[VariedKey], indices: Mapping[str, Any], short_name: Callable[[VariedKey], str]
 ) -> Figure | None:
     """Return a figure of the Sobol indices of the largest contact load, with confidence intervals; None without indices.
 
-    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``called``: function that
+    ``name``: start of the figure's name; ``indices``: result of `sobol_indices_by_output`; ``short_name``: function that
     returns the short name of a key.
     """
     main = indices.get("outputs", {}).get(MAIN)
@@ -526,18 +552,25 @@ def _indices_figure(
     for kind, shift in (("first", -0.06), ("total", 0.06)):
         value, low, high = ([main[v.key][f"{kind}{end}"] for v in keys] for end in ("", "_low", "_high"))
         bars = ([min(a, b) for a, b in zip(low, value, strict=True)], [max(a, b) for a, b in zip(high, value, strict=True)])
-        series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
+        series.append(Series(kind, [n + shift for n in number], value, "markers", error_bars=bars))
     caption = (
         f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
         f"{100 * indices['confidence']:g} % intervals: first, of the key only; total, with its interactions."
     )
-    panel = Panel("Sobol indices", "", "share of the variance", tuple(series), zero=True, names=[called(v) for v in keys])
+    panel = Panel(
+        "Sobol indices",
+        "",
+        "share of the variance",
+        tuple(series),
+        include_zero=True,
+        abscissa_names=[short_name(v) for v in keys],
+    )
     return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)
 
 
-def make_sweep(
+def sweep_definition(
     scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str, outputs: Sequence[str] = ()
-) -> Sweep:
+) -> SweepDefinition:
     """Return the definition of a sweep of a scene: varied keys, design of the samples, model and outputs.
 
     ``scene``: name of a scene of the package, or a scene file; ``vary``: texts that name the varied keys with their ranges
@@ -545,28 +578,31 @@ def make_sweep(
     the model, empty for the default; ``outputs``: names of the outputs that are computed, empty for all. Raises InputError
     if the scene or the texts cannot be read.
     """
-    found = catalogue.any_scene(scene)
+    found = catalogue.scene_of_any_kind(scene)
     if scene in catalogue.scene_names():
         text, origin = catalogue.shipped_scene_text(scene), f"{scene}.toml"
     else:
         text, origin = scene_file.read_scene_text(scene), scene
-    model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
-    return Sweep(text, origin, read_vary(vary), samples, method, seed, model, tuple(outputs))
+    model = model or (default_model_name(found) if isinstance(found, Assembly) else DEFAULT)
+    return SweepDefinition(text, origin, read_varied_keys(vary), samples, method, seed, model, tuple(outputs))
 
 
-def solve_sweep(sweep: Sweep, out: Path, engine: Engine, step: Callable[[str], None]) -> dict[str, Any]:
+def solve_sweep(
+    sweep: SweepDefinition, out: Path, engine: ComputingSettings, show_progress: Callable[[str], None]
+) -> dict[str, Any]:
     """Solve the missing samples of a sweep, write its tables and figures to its folder, and return the summary.
 
-    ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``step``: function
-    that is called with each line of progress. Raises InputError in the cases in which `solve_samples_of_sweep` raises it.
+    ``out``: folder of the sweep; ``engine``: number of processes, or cluster, that solve the samples; ``show_progress``:
+    function that is called with each line of progress. Raises InputError in the cases in which `solve_missing_samples`
+    raises it.
     """
-    records = solve_samples_of_sweep(sweep, out, engine, step)
-    found = summarise_sweep(sweep, records)
+    records = solve_missing_samples(sweep, out, engine, show_progress)
+    found = sweep_summary_json(sweep, records)
     write_sweep_files(sweep, records, found, out)
     return found
 
 
-def write_sweep_files(sweep: Sweep, records: Mapping[int, Record], summary: Mapping[str, Any], out: Path) -> None:
+def write_sweep_files(sweep: SweepDefinition, records: Mapping[int, Record], summary: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures of a sweep to its folder.
 
     ``records``: records of the samples by their numbers; ``summary``: summary of the sweep; ``out``: the folder.
@@ -577,7 +613,7 @@ def write_sweep_files(sweep: Sweep, records: Mapping[int, Record], summary: Mapp
         write_figure(out / f"{figure.name}.svg", figure)
 
 
-def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
+def samples_csv(sweep: SweepDefinition, records: Mapping[int, Record]) -> str:
     """Return the samples of a sweep as CSV text, with one row for each sample.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
@@ -593,7 +629,7 @@ def samples_csv(sweep: Sweep, records: Mapping[int, Record]) -> str:
     return text.getvalue()
 
 
-def sweep_for_library(
+def run_sweep(
     scene: str,
     vary: Sequence[str],
     samples: int,
@@ -602,11 +638,13 @@ def sweep_for_library(
     seed: int,
     out: Path,
     outputs: Sequence[str],
-    step: Callable[[str], None],
+    show_progress: Callable[[str], None],
 ) -> dict[str, Any]:
     """Solve a sweep for `rollbench.sweep`, write its tables and figures to a folder, and return the summary as JSON values.
 
-    ``out``: the folder; ``step``: function that is called with each line of progress; the other arguments are those of
-    `make_sweep`.
+    ``out``: the folder; ``show_progress``: function that is called with each line of progress; the other arguments are
+    those of `sweep_definition`.
     """
-    return solve_sweep(make_sweep(scene, vary, samples, method, seed, model, outputs), out, Engine(), step)
+    return solve_sweep(
+        sweep_definition(scene, vary, samples, method, seed, model, outputs), out, ComputingSettings(), show_progress
+    )

@@ -30,21 +30,21 @@ from rollbench.compare.errors import ArgumentError, InputError
 from rollbench.compare.files import replace_file
 from rollbench.compare.measure import mean_load
 from rollbench.compare.models.answers import unloaded_axial_displacement
-from rollbench.compare.models.load_cases import contact_loads_by_set, life_over_cycle
+from rollbench.compare.models.load_cases import contact_loads_by_nut_or_bearing, rating_life_over_duty_cycle
 from rollbench.compare.models.loading import (
     axial_preload,
-    displacement_at_stated_position,
-    scale_loads,
-    solve_scaled,
+    displacement_at_scene_position,
+    solve_with_scaled_loads,
     sum_of_axial_loads,
+    with_scaled_loads,
 )
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file, scene_tables
 from rollbench.compare.scenes.duty_cycle import DutyCycle
 from rollbench.compare.studies.sweep.keys import VariedKey, tables_with_varied_keys
 from rollbench.lowfi.rating import roller_life
 from rollbench.lowfi.rating.life import basic_rating_life
-from rollbench.lowfi.rating.rigidity import axial_displacement, axial_force
+from rollbench.lowfi.rating.rigidity import axial_force, screw_displacement_at_nut
 from rollbench.lowfi.statics.nominal import nominal_contacts
 from rollbench.lowfi.statics.result import AxisResult, StaticResult
 from rollbench.meshes.arrays import Array
@@ -78,23 +78,23 @@ MAIN = "largest_load_N"
 Makers = dict[str, Callable[[], Any]]
 
 
-def sample_outputs(
-    scene: Scene, result: StaticResult, model: str, options: Options, wanted: Collection[str] = tuple(OUTPUTS)
+def outputs_of_scene(
+    scene: Scene, result: StaticResult, model: str, options: ModelOptions, wanted_outputs: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample by name, and "at": ball and flank of the contact with the largest load.
 
     ``result``: converged static result of the scene; ``model`` and ``options``: name and options of the model that solved
-    it; ``wanted``: names of the outputs, keys of `OUTPUTS`. Rigidity (secant from the unloaded position) and preload need a
-    solution without loads, which is computed only for them. The torque needs a [friction] table in the scene. An output
-    that does not exist for the scene is None.
+    it; ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Rigidity (secant from the unloaded position) and
+    preload need a solution without loads, which is computed only for them. The torque needs a [friction] table in the
+    scene. An output that does not exist for the scene is None.
     """
 
     @cache
     def unloaded_result() -> StaticResult:
-        return solve_scaled(scene, 0.0, model, options)
+        return solve_with_scaled_loads(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
-        moved = axial_displacement(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
+        moved = screw_displacement_at_nut(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
         return _secant_rigidity(axial_force(result), moved)
 
     makers: Makers = {
@@ -102,17 +102,17 @@ def sample_outputs(
         "rigidity_N_per_um": secant_rigidity,
         "preload_N": lambda: axial_preload(scene, unloaded_result()) if unloaded_result().converged else None,
     }
-    return _outputs_over_nuts_and_bearings(
-        [("", scene, result)], scene, makers, options, wanted, lambda: nominal_contacts(scene)
+    return _compute_wanted_outputs(
+        [("", scene, result)], scene, makers, options, wanted_outputs, lambda: nominal_contacts(scene)
     )
 
 
-def cycle_outputs(
+def outputs_of_duty_cycle(
     cycle: DutyCycle,
     results: Sequence[StaticResult | AxisResult],
-    each: Sequence[dict[str, Any]],
+    outputs_by_case: Sequence[dict[str, Any]],
     *,
-    wanted: Collection[str] = tuple(OUTPUTS),
+    wanted_outputs: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a duty cycle, from results and outputs of its load cases.
 
@@ -127,9 +127,9 @@ def cycle_outputs(
         The duty cycle.
     results
         Result of each load case.
-    each
+    outputs_by_case
         Outputs of each load case by name.
-    wanted
+    wanted_outputs
         Names of the outputs.
 
     Returns
@@ -137,23 +137,28 @@ def cycle_outputs(
     dict
         Values by name.
     """
-    case, worst = max(zip(cycle.cases, each, strict=True), key=lambda pair: float(pair[1][MAIN]))
+    case, worst = max(zip(cycle.cases, outputs_by_case, strict=True), key=lambda pair: float(pair[1][MAIN]))
     found = worst | {"at": f"case {case.name}: {worst['at']}"}
-    if "torque_Nmm" in wanted:
-        torques = [(share, one["torque_Nmm"]) for share, one in zip(cycle.shares, each, strict=True) if share > 0.0]
+    if "torque_Nmm" in wanted_outputs:
+        torques = [
+            (share, one["torque_Nmm"])
+            for share, one in zip(cycle.revolution_shares, outputs_by_case, strict=True)
+            if share > 0.0
+        ]
         known = all(torque is not None for _, torque in torques)
         found["torque_Nmm"] = sum(share * torque for share, torque in torques) if known else None
-    if "life_million_revolutions" in wanted:
+    if "life_million_revolutions" in wanted_outputs:
         lives = [
-            life_over_cycle(cycle, name, [contact_loads_by_set(one)[name] for one in results])[0] for name in cycle.sets
+            rating_life_over_duty_cycle(cycle, name, [contact_loads_by_nut_or_bearing(one)[name] for one in results])[0]
+            for name in cycle.sets
         ]
         rated = [x.revolutions for x in lives if x is not None]
         found["life_million_revolutions"] = min(rated) if len(rated) == len(lives) else None
-    if any(name in wanted for name in GROWTH):
+    if any(name in wanted_outputs for name in GROWTH):
         tops = [[float(load.max(initial=0.0)) for load in _loads_by_nut_or_bearing(one)] for one in results]
         ratios = [max(of_set) / of_set[0] for of_set in zip(*tops, strict=True) if of_set[0] > 0.0]
         ends = max(ratios, default=None), min(ratios, default=None)
-        found |= {name: x for name, x in zip(GROWTH, ends, strict=True) if name in wanted}
+        found |= {name: x for name, x in zip(GROWTH, ends, strict=True) if name in wanted_outputs}
     return found
 
 
@@ -162,14 +167,14 @@ def _loads_by_nut_or_bearing(result: StaticResult | AxisResult) -> list[Array]:
     return [result.load] if isinstance(result, StaticResult) else [s.loads for s in result.sets]
 
 
-def axis_outputs(
-    assembly: Assembly, result: AxisResult, engine: str, wanted: Collection[str] = tuple(OUTPUTS)
+def outputs_of_shaft(
+    assembly: Assembly, result: AxisResult, engine: str, wanted_outputs: Collection[str] = tuple(OUTPUTS)
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a shaft with several nuts and bearings, by name.
 
     ``result``: converged static result; ``engine``: whether numerical kernels run as plain Python ("interpreted") or as
-    machine code ("compiled"); ``wanted``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts and
-    rollers; "at", the place of the largest load, begins with the name of the nut or bearing. The displacement is axial,
+    machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of `OUTPUTS`. Loads are those of ball contacts
+    and rollers; "at", the place of the largest load, begins with the name of the nut or bearing. The displacement is axial,
     at the section or housing that the scene names; for the rigidity it counts from the unloaded position. Approaches and
     torque are of balls only. Life is the shortest life of a nut or bearing; preload is the largest axial force on one of
     them without loads.
@@ -177,13 +182,13 @@ def axis_outputs(
     sets = [(f"{s.of.name}: ", s.of.parts, s.balls) for s in result.sets if s.balls and isinstance(s.of.parts, Scene)]
     force, moved, loads = (
         sum_of_axial_loads(assembly),
-        displacement_at_stated_position(assembly, result)[2],
-        contact_loads_by_set(result),
+        displacement_at_scene_position(assembly, result)[2],
+        contact_loads_by_nut_or_bearing(result),
     )
 
     @cache
     def unloaded_result() -> AxisResult:
-        without = run_model(scale_loads(assembly, 0.0), result.model, Options(engine=engine))
+        without = run_model(with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
@@ -197,7 +202,7 @@ def axis_outputs(
     makers: Makers = {
         "displacement_um": lambda: 1e6 * moved if force else None,
         "rigidity_N_per_um": lambda: (
-            _secant_rigidity(force, moved - displacement_at_stated_position(assembly, unloaded_result())[2])
+            _secant_rigidity(force, moved - displacement_at_scene_position(assembly, unloaded_result())[2])
             if unloaded_result().converged
             else None
         ),
@@ -207,40 +212,40 @@ def axis_outputs(
         ),
     }
     rollers = [(f"{s.of.name}: roller ", s.loads) for s in result.sets if s.balls is None]
-    return _outputs_over_nuts_and_bearings(sets, assembly, makers, Options(), wanted, lambda: 0, rollers)
+    return _compute_wanted_outputs(sets, assembly, makers, ModelOptions(), wanted_outputs, lambda: 0, rollers)
 
 
-def _outputs_over_nuts_and_bearings(
-    sets: list[tuple[str, Scene, StaticResult]],
+def _compute_wanted_outputs(
+    ball_sets: list[tuple[str, Scene, StaticResult]],
     scene: Scene | Assembly,
-    whole: Makers,
-    options: Options,
-    wanted: Collection[str],
-    contacts: Callable[[], int],
-    rollers: Sequence[tuple[str, Array]] = (),
+    functions_of_whole_scene: Makers,
+    options: ModelOptions,
+    wanted_outputs: Collection[str],
+    count_contacts: Callable[[], int],
+    roller_loads: Sequence[tuple[str, Array]] = (),
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample by name, and "at", the contact with the largest load of all nuts and bearings.
 
     Parameters
     ----------
-    sets
+    ball_sets
         Name, parts and result of each nut and ball bearing.
     scene
         Scene of a nut or bearing, or of a shaft with several.
-    whole
+    functions_of_whole_scene
         Functions without arguments that compute displacement [um], rigidity [N/um] and preload [N] of the whole scene, by
         name of the output.
     options
         Options of the model.
-    wanted
+    wanted_outputs
         Names of the outputs.
-    contacts
+    count_contacts
         Function that returns the number of contacts over which the mean load is taken, see `mean_load`.
-    rollers
+    roller_loads
         Name of each row of rollers, and its loads [N].
     """
-    solved, friction = [(parts, balls) for _, parts, balls in sets], scene.friction
-    named = [*((name, x.load) for name, _, x in sets), *rollers]
+    solved, friction = [(parts, balls) for _, parts, balls in ball_sets], scene.friction
+    named = [*((name, x.load) for name, _, x in ball_sets), *roller_loads]
     every = np.concatenate([np.zeros(0), *(load[load > 0.0] for _, load in named)])
     at = ""
     if every.size:
@@ -249,16 +254,16 @@ def _outputs_over_nuts_and_bearings(
         at = " ".join([f"{name}{one + 1}", *(SIDES[k] for k in side)])
     makers: Makers = {
         MAIN: lambda: float(every.max(initial=0.0)),
-        "mean_load_N": lambda: mean_load(every, contacts()),
+        "mean_load_N": lambda: mean_load(every, count_contacts()),
         "loaded_contacts": lambda: int(every.size),
         "idle_balls": lambda: sum(int(np.count_nonzero(~(x.load > 0.0).any(axis=1))) for _, x in solved),
-        "largest_approach_um": lambda: max((_largest_approach(balls) for _, balls in solved), default=None),
+        "largest_approach_um": lambda: max((_largest_hertz_approach(balls) for _, balls in solved), default=None),
         "torque_Nmm": lambda: None if friction is None else _friction_torque(solved, friction, scene.motion, options),
         "life_million_revolutions": lambda: _shortest_life_of_bearings([(parts, balls.load) for parts, balls in solved]),
         **dict.fromkeys(GROWTH, lambda: None),
-        **whole,
+        **functions_of_whole_scene,
     }
-    return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted} | {"at": at}
+    return {name: makers[name]() for name in OUTPUTS if name == MAIN or name in wanted_outputs} | {"at": at}
 
 
 def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | None:
@@ -274,18 +279,18 @@ def _displacement_along_loads(scene: Scene, result: StaticResult) -> float | Non
     return 1e6 * work / total if total > 0.0 else None
 
 
-def _largest_approach(balls: StaticResult) -> float:
+def _largest_hertz_approach(balls: StaticResult) -> float:
     """Return the largest Hertz approach of a ball contact [um]; ``balls``: static result of a nut or ball bearing."""
     return 1e6 * float((balls.hertz_C * np.cbrt(balls.load) ** 2).max(initial=0.0))
 
 
-def _secant_rigidity(force: float, moved: float) -> float | None:
+def _secant_rigidity(force: float, displacement: float) -> float | None:
     """Return the secant rigidity [N/um]: an axial force over the displacement that it causes.
 
-    ``force``: the force [N]; ``moved``: the displacement [m]. None if force or displacement is zero, or if they have
+    ``force``: the force [N]; ``displacement``: the displacement [m]. None if force or displacement is zero, or if they have
     opposite signs.
     """
-    return 1e-6 * force / moved if force * moved > 0.0 else None
+    return 1e-6 * force / displacement if force * displacement > 0.0 else None
 
 
 def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> float | None:
@@ -305,16 +310,16 @@ def _shortest_life_of_bearings(sets: list[tuple[Scene | RollerRow, Array]]) -> f
 
 
 def _friction_torque(
-    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: Options
+    sets: list[tuple[Scene, StaticResult]], friction: Friction, motion: Motion | None, options: ModelOptions
 ) -> float | None:
     """Return the friction torque of all nuts and ball bearings [N mm].
 
     ``sets``: scene and static result of each of them. None if friction does not converge, or if the friction model does not
     cover one of them.
     """
-    from rollbench.compare.models.friction_sums import torque
+    from rollbench.compare.models.friction_sums import total_friction_torque
 
-    return torque(sets, friction, motion, options)
+    return total_friction_torque(sets, friction, motion, options)
 
 
 #: Names of files and folders in the folder of a sweep.
@@ -397,23 +402,23 @@ def _wait_for_earlier_runs(folder: Path) -> None:
 
 
 @contextmanager
-def hold_lock(folder: Path) -> Iterator[None]:
+def hold_process_lock(folder: Path) -> Iterator[None]:
     """Hold a lock file of this process in the folder of a sweep while the process solves samples.
 
     A later execution of the sweep waits until the lock is released.
     """
     from filelock import FileLock
 
-    with FileLock(folder / LOCKS / _process_name()):
+    with FileLock(folder / LOCKS / _machine_and_process_name()):
         yield
 
 
-def _process_name() -> str:
+def _machine_and_process_name() -> str:
     """Return the name of this machine and the number of this process, by which files of a sweep are named."""
     return f"{platform.node()}-{os.getpid()}"
 
 
-def is_current_run(folder: Path, token: str) -> bool:
+def is_token_of_current_run(folder: Path, token: str) -> bool:
     """Return whether the folder of a sweep exists and belongs to the execution with this token."""
     try:
         return (folder / TOKEN).read_text(encoding="utf-8") == token
@@ -429,11 +434,11 @@ class RecordWriter:
 
         ``folder``: folder of the sweep; ``token``: text that identifies the execution of the sweep.
         """
-        self._path = folder / RECORDS / f"{token[:8]}-{_process_name()}.lines"
+        self._path = folder / RECORDS / f"{token[:8]}-{_machine_and_process_name()}.lines"
 
     def append(self, records: Sequence[Record]) -> None:
         """Append records of samples to the file in one call; OSError if the disk does not take all of them."""
-        lines = b"".join(map(pack_record, records))
+        lines = b"".join(map(record_as_checked_line, records))
         handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0), 0o644)
         try:
             if os.write(handle, lines) != len(lines):
@@ -442,13 +447,13 @@ class RecordWriter:
             os.close(handle)
 
 
-def pack_record(record: Record) -> bytes:
+def record_as_checked_line(record: Record) -> bytes:
     """Return the record of a sample as one line: a checksum, then JSON."""
     body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
-def unpack_record(line: bytes) -> Record | None:
+def record_from_checked_line(line: bytes) -> Record | None:
     """Return the record of a sample from a line with checksum and JSON; None if the line is incomplete or damaged."""
     checksum, _, body = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
@@ -462,12 +467,12 @@ def stored_records(folder: Path) -> Iterator[Record]:
     for path in sorted((folder / RECORDS).glob("*.lines")):
         with path.open("rb") as file:
             for line in file:
-                record = unpack_record(line)
+                record = record_from_checked_line(line)
                 if record is not None:
                     yield record
 
 
-def records_by_sample(folder: Path) -> dict[int, Record]:
+def stored_records_by_sample(folder: Path) -> dict[int, Record]:
     """Return the stored records of a sweep's samples by the number of the sample, from 0."""
     return {int(record["sample"]): record for record in stored_records(folder)}
 
@@ -483,7 +488,7 @@ AXIS_COMPILED = 40
 
 
 @lru_cache(maxsize=8)
-def _cached_tables(text: str, origin: str) -> dict[str, Any]:
+def _cached_toml_tables(text: str, origin: str) -> dict[str, Any]:
     """Return the TOML tables in the text of a scene file; equal texts are read only once.
 
     ``origin``: name of the file for error messages.
@@ -492,49 +497,53 @@ def _cached_tables(text: str, origin: str) -> dict[str, Any]:
 
 
 def solve_sample(
-    text: str,
+    scene_text: str,
     origin: str,
-    keys: Sequence[VariedKey],
+    varied_keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
     engine: str,
-    wanted: Collection[str] = tuple(OUTPUTS),
+    wanted_outputs: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and, if it is solved, its outputs by name.
 
-    ``text``: TOML text of the scene file; ``origin``: name of that file for error messages; ``keys``: varied keys;
-    ``values``: their values in this sample; ``model``: name of the model; ``engine``: whether numerical kernels run as
-    plain Python ("interpreted") or as machine code ("compiled"); ``wanted``: names of the outputs, keys of `OUTPUTS`. If
-    the scene or the model does not allow the values, status and "reason" say why.
+    ``scene_text``: TOML text of the scene file; ``origin``: name of that file for error messages; ``varied_keys``: varied
+    keys; ``values``: their values in this sample; ``model``: name of the model; ``engine``: whether numerical kernels run
+    as plain Python ("interpreted") or as machine code ("compiled"); ``wanted_outputs``: names of the outputs, keys of
+    `OUTPUTS`. If the scene or the model does not allow the values, status and "reason" say why.
     """
     try:
-        return solve_sample_or_refuse(text, origin, keys, values, model, engine, wanted)
+        return solve_sample_or_refuse(scene_text, origin, varied_keys, values, model, engine, wanted_outputs)
     except InputError as error:
-        return {"status": f"refused: {error}", "reason": reason_without_numbers(error)}
+        return {"status": f"refused: {error}", "reason": refusal_reason_without_numbers(error)}
 
 
 def solve_sample_or_refuse(
-    text: str,
+    scene_text: str,
     origin: str,
-    keys: Sequence[VariedKey],
+    varied_keys: Sequence[VariedKey],
     values: Sequence[Any],
     model: str,
     engine: str,
-    wanted: Collection[str] = tuple(OUTPUTS),
+    wanted_outputs: Collection[str] = tuple(OUTPUTS),
 ) -> dict[str, Any]:
     """Solve one sample of a sweep; return its status and its outputs by name.
 
     The arguments are those of `solve_sample`. Raises InputError if the scene or the model does not allow the sample's
     values.
     """
-    scene = scene_tables.scene_from_tables(tables_with_varied_keys(_cached_tables(text, origin), keys, values), origin)
+    scene = scene_tables.scene_from_tables(
+        tables_with_varied_keys(_cached_toml_tables(scene_text, origin), varied_keys, values), origin
+    )
     if isinstance(scene, DutyCycle):
-        return _solve_duty_cycle_sample(scene, model, engine, wanted)
-    result, kept = solve_case(scene_file.scene_or_assembly_or_raise(scene, origin), model, engine, wanted)
+        return _solve_duty_cycle_sample(scene, model, engine, wanted_outputs)
+    result, kept = solve_load_case_for_outputs(
+        scene_file.scene_or_shaft_or_raise(scene, origin), model, engine, wanted_outputs
+    )
     return {"status": result.status, **kept}
 
 
-def reason_without_numbers(error: InputError) -> str:
+def refusal_reason_without_numbers(error: InputError) -> str:
     """Return why a sample's values are refused, as text in which "#" replaces each number.
 
     Reasons that differ only in numbers, such as a range that depends on the sample, thus become equal. ``error``: error
@@ -543,34 +552,34 @@ def reason_without_numbers(error: InputError) -> str:
     return _NUMBER.sub("#", f"{error.key}: {error.allowed or error.value}")
 
 
-def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted: Collection[str]) -> dict[str, Any]:
+def _solve_duty_cycle_sample(cycle: DutyCycle, model: str, engine: str, wanted_outputs: Collection[str]) -> dict[str, Any]:
     """Solve the load cases of a duty cycle; return the status and the outputs of the cycle by name.
 
-    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); ``wanted``:
-    names of the outputs. If a load case has no solution, only the status of that case is returned.
+    ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled");
+    ``wanted_outputs``: names of the outputs. If a load case has no solution, only the status of that case is returned.
     """
-    solved = [solve_case(case.scene, model, engine, wanted) for case in cycle.cases]
+    solved = [solve_load_case_for_outputs(case.scene, model, engine, wanted_outputs) for case in cycle.cases]
     for case, (result, _) in zip(cycle.cases, solved, strict=True):
         if not result.converged:
             return {"status": f"case {case.name}: {result.status}"}
-    return {"status": CONVERGED, **cycle_outputs(cycle, *zip(*solved, strict=True), wanted=wanted)}
+    return {"status": CONVERGED, **outputs_of_duty_cycle(cycle, *zip(*solved, strict=True), wanted_outputs=wanted_outputs)}
 
 
-def solve_case(
-    scene: Scene | Assembly, model: str, engine: str, wanted: Collection[str]
+def solve_load_case_for_outputs(
+    scene: Scene | Assembly, model: str, engine: str, wanted_outputs: Collection[str]
 ) -> tuple[StaticResult | AxisResult, dict[str, Any]]:
     """Solve one load case of a sweep's sample: return its static result, then its outputs by name (empty without solution).
 
     ``engine``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); a shaft with
-    `AXIS_COMPILED` balls or more is always solved with machine code. ``wanted``: names of the outputs.
+    `AXIS_COMPILED` balls or more is always solved with machine code. ``wanted_outputs``: names of the outputs.
     """
     if isinstance(scene, Assembly):
         kernels = "compiled" if scene.ball_count >= AXIS_COMPILED else engine
-        found = run_model(scene, model, Options(engine=kernels))
-        return found, axis_outputs(scene, found, kernels, wanted) if found.converged else {}
-    options = Options(discretisation=False, engine=engine)
+        found = run_model(scene, model, ModelOptions(engine=kernels))
+        return found, outputs_of_shaft(scene, found, kernels, wanted_outputs) if found.converged else {}
+    options = ModelOptions(estimate_beam_mesh_error=False, engine=engine)
     result = run_model(scene, model, options)
-    return result, sample_outputs(scene, result, model, options, wanted) if result.converged else {}
+    return result, outputs_of_scene(scene, result, model, options, wanted_outputs) if result.converged else {}
 
 
 def solve_and_append_batch(
@@ -598,9 +607,9 @@ def solve_and_append_batch(
     """
     run_folder = Path(folder)
     text, origin, keys, model, engine, wanted = sweep
-    here = is_current_run(run_folder, token)
+    here = is_token_of_current_run(run_folder, token)
     found: list[Record] = []
-    with hold_lock(run_folder) if here else nullcontext():
+    with hold_process_lock(run_folder) if here else nullcontext():
         try:
             for number, values in batch:
                 solved = solve_sample(text, origin, keys, values, model, engine, wanted)

@@ -8,7 +8,7 @@ s = sin(contact angle) cos(lead angle); a pair carries (closure / C)^(3/2) by He
 import numpy as np
 
 from rollbench import ModelAnswer, Scene
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
 
@@ -36,7 +36,7 @@ def contact_loads(scene: Scene) -> ModelAnswer:
         u[k], free[k] = value, False
 
     slope = np.sin(scene.track.contact_angle) * np.cos(lead_angle(scene.track))
-    C = error_free_hertz(scene).C
+    C = hertz_without_errors(scene).C
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     growth = np.full(balls.size, scene.errors.balls.oversize)
     for number, error in scene.errors.balls.listed:

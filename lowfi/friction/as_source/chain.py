@@ -19,7 +19,13 @@ import numpy as np
 from scipy.optimize import root
 
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID
-from rollbench.lowfi.friction.contact.laws import Contacts, Coulomb, FrictionLaw, Sigmoid, contacts_from_values
+from rollbench.lowfi.friction.contact.laws import (
+    CoulombLaw,
+    EllipticalContacts,
+    FrictionLaw,
+    SigmoidLaw,
+    contacts_from_values,
+)
 from rollbench.lowfi.friction.linear.bearing import MOVING, LinearBearing, contact_directions, contact_semi_axes
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
 from rollbench.meshes.arrays import Array, Mask
@@ -35,7 +41,7 @@ SHARPNESS = 100.0
 
 
 @dataclass(frozen=True)
-class NeighbourInteraction:
+class BallToBallContact:
     """Kinematics and friction of the contact of two neighbouring balls that touch.
 
     A ball has n unknowns of motion, the first of which is its motion along the track.
@@ -43,22 +49,22 @@ class NeighbourInteraction:
 
     #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of its
     #: unknowns ``(2, n)``.
-    first: Array
+    first_ball_surface_speeds: Array
     #: Velocity of the second ball's surface at this contact, along the same tangents, per unit of its unknowns ``(2, n)``.
-    second: Array
+    second_ball_surface_speeds: Array
     #: Velocity at which two balls approach each other, per difference of their first unknowns.
-    closing: float
+    closing_speed_factor: float
     #: Coefficient of friction from ball to ball.
     mu: float
     #: Surface speed of a ball per unit of each unknown ``(n,)``, by which the unknowns are scaled.
-    units: Array
+    surface_speed_per_unit: Array
     #: Unknowns of a ball in nominal rolling ``(n,)``, from which searches begin.
-    nominal: Array
+    nominal_rolling_motion: Array
 
     @property
     def speed(self) -> float:
         """Nominal speed of a ball along the track [m/s]; 1 m/s for a track at rest, because speeds are divided by it."""
-        return abs(float(self.nominal[0] * self.units[0])) or 1.0
+        return abs(float(self.nominal_rolling_motion[0] * self.surface_speed_per_unit[0])) or 1.0
 
 
 @dataclass(frozen=True)
@@ -69,37 +75,41 @@ class LoadedBalls:
     """
 
     #: Contacts of all balls, the four of each ball in succession ``(4 N,)``.
-    at: Contacts
+    contacts: EllipticalContacts
     #: Sliding along x and z [m/s] and spin [rad/s] of each contact per unit of its ball's unknowns ``(N, 4, 3, n)``.
-    maps: Array
+    contact_motion_maps: Array
     #: Sliding [m/s] and spin [rad/s] of each contact while the balls rest ``(N, 4, 3)``.
-    drives: Array
+    imposed_contact_motions: Array
     #: Kinematics and friction of neighbouring balls that touch.
-    pair: NeighbourInteraction
+    ball_to_ball_contact: BallToBallContact
 
     @property
     def count(self) -> int:
         """Number of balls."""
-        return int(self.maps.shape[0])
+        return int(self.contact_motion_maps.shape[0])
 
     @property
-    def bound(self) -> float:
+    def largest_friction_bound(self) -> float:
         """Largest sum of friction bounds (coefficient of friction times load) of the four contacts of a ball [N]."""
-        return max(float(self.at.strength.reshape(-1, 4).sum(axis=1).max()), 1e-300)
+        return max(float(self.contacts.friction_bound.reshape(-1, 4).sum(axis=1).max()), 1e-300)
 
     def subset(self, chosen: slice) -> LoadedBalls:
         """Return the balls with indices in the range ``chosen``, with their contacts."""
         rows = slice(4 * chosen.start, 4 * chosen.stop)
-        at = Contacts(self.at.a[rows], self.at.b[rows], self.at.load[rows], self.at.mu[rows])
-        return LoadedBalls(at, self.maps[chosen], self.drives[chosen], self.pair)
+        at = EllipticalContacts(
+            self.contacts.a[rows], self.contacts.b[rows], self.contacts.load[rows], self.contacts.mu[rows]
+        )
+        return LoadedBalls(
+            at, self.contact_motion_maps[chosen], self.imposed_contact_motions[chosen], self.ball_to_ball_contact
+        )
 
 
 @dataclass(frozen=True)
-class ForcesAndLosses:
+class BallForcesAndLosses:
     """Unbalanced forces, friction and losses of N balls in given motions, with n unknowns for each ball."""
 
     #: Generalised forces out of balance, power per unit of each unknown ``(N, n)``.
-    left: Array
+    unbalanced_forces: Array
     #: Friction on the balls along the axes x and z of each contact ``(N, 4, 2)`` [N].
     force: Array
     #: Moment of friction on the balls about the normal of each contact ``(N, 4)`` [N m].
@@ -110,17 +120,17 @@ class ForcesAndLosses:
     ball_loss: Array
     #: Direction in which ball k slides on ball k + 1, as unit vectors with components along two tangents of their contact
     #: ``(N-1, 2)``.
-    rub: Array
+    sliding_directions: Array
 
 
 @dataclass(frozen=True)
-class LinMotion:
+class BallMotionsByLin:
     """Motion of N balls by the method of Lin's thesis, with n unknowns for each ball."""
 
     #: Motions of the balls ``(N, n)``.
-    q: Array
+    ball_motions: Array
     #: Motions of the balls if they exert no forces on each other ``(N, n)``.
-    free: Array
+    motions_without_ball_forces: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
     #: Power lost in each contact with the grooves ``(N, 4)`` [W].
@@ -128,7 +138,7 @@ class LinMotion:
     #: Power lost between each ball and the next one ``(N-1,)`` [W].
     ball_loss: Array
     #: Largest residual of the scaled equations: force out of balance over the largest friction bound of a ball.
-    left: float
+    largest_residual: float
     #: Number of evaluations of the force balance.
     calls: int
     #: ``"exact"``: a root was found; ``"failed"``: no root was found; ``"overlapping"``: a root was found, but balls that
@@ -142,7 +152,7 @@ class LinMotion:
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
 
-def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> ForcesAndLosses:
+def ball_forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array) -> BallForcesAndLosses:
     """Return the unbalanced forces, friction and losses of N balls in given motions.
 
     ``balls``: the balls with their contacts; ``law``: friction law of the contacts with the grooves; ``q``: motions, n
@@ -152,23 +162,23 @@ def forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force
     ----------
     Lin (2019), 3.25 with 3.26 to 3.29, and 3.69 with 3.73 to 3.75.
     """
-    n, pair = balls.count, balls.pair
-    motion = balls.drives + (balls.maps @ q[:, None, :, None])[..., 0]
-    f = law.friction(balls.at, motion.reshape(-1, 3), True)
+    n, pair = balls.count, balls.ball_to_ball_contact
+    motion = balls.imposed_contact_motions + (balls.contact_motion_maps @ q[:, None, :, None])[..., 0]
+    f = law.friction(balls.contacts, motion.reshape(-1, 3), True)
     wrench = np.column_stack([f.force, f.moment]).reshape(n, 4, 3)
-    left = np.einsum("ncr,ncrj->nj", wrench, balls.maps)
+    left = np.einsum("ncr,ncrj->nj", wrench, balls.contact_motion_maps)
     if n == 1:
         none = np.zeros(0)
-        return ForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(1, 4), none, none.reshape(0, 2))
-    slide = q[:-1] @ pair.first.T - q[1:] @ pair.second.T
+        return BallForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(1, 4), none, none.reshape(0, 2))
+    slide = q[:-1] @ pair.first_ball_surface_speeds.T - q[1:] @ pair.second_ball_surface_speeds.T
     size = np.sqrt(np.sum(slide * slide, axis=1))
     rub = slide / np.where(size > 0.0, size, 1.0)[:, None]
     bite = pair.mu * ball_force
-    left[:-1, 0] -= pair.closing * ball_force
-    left[1:, 0] += pair.closing * ball_force
-    left[:-1] -= bite[:, None] * (rub @ pair.first)
-    left[1:] += bite[:, None] * (rub @ pair.second)
-    return ForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
+    left[:-1, 0] -= pair.closing_speed_factor * ball_force
+    left[1:, 0] += pair.closing_speed_factor * ball_force
+    left[:-1] -= bite[:, None] * (rub @ pair.first_ball_surface_speeds)
+    left[1:] += bite[:, None] * (rub @ pair.second_ball_surface_speeds)
+    return BallForcesAndLosses(left, wrench[..., :2], wrench[..., 2], f.loss.reshape(n, 4), bite * size, rub)
 
 
 def touching_groups(touching: Mask) -> list[slice]:
@@ -196,8 +206,8 @@ def solve_touching_group(
         Motions ``(N, n)``; forces of each ball on the next one ``(N-1,)`` [N]; largest residual of the scaled equations, to
         be compared with ``ACCEPTED``; number of evaluations.
     """
-    n, pair, bound = balls.count, balls.pair, balls.bound
-    turn = pair.units / pair.speed
+    n, pair, bound = balls.count, balls.ball_to_ball_contact, balls.largest_friction_bound
+    turn = pair.surface_speed_per_unit / pair.speed
 
     def split(x: Array) -> tuple[Array, Array]:
         """Return motions and forces from the scaled unknowns x."""
@@ -206,7 +216,7 @@ def solve_touching_group(
     def residual(x: Array) -> Array:
         """Return the scaled unbalanced forces on the balls, then the differences of the speeds of neighbours."""
         motions, forces = split(x)
-        left = forces_and_losses(balls, law, motions, forces).left / (pair.units * bound)
+        left = ball_forces_and_losses(balls, law, motions, forces).unbalanced_forces / (pair.surface_speed_per_unit * bound)
         return np.append(left.ravel(), np.diff(x[: q.size].reshape(q.shape)[:, 0]))
 
     start = np.append((q * turn).ravel(), ball_force[: n - 1] / bound)
@@ -242,23 +252,23 @@ def solve_touching_groups(
     return q, force, worst, calls
 
 
-def neighbours_not_separating(pair: NeighbourInteraction, q: Array, tolerance: float = 0.0) -> Mask:
+def neighbours_not_separating(pair: BallToBallContact, q: Array, tolerance: float = 0.0) -> Mask:
     """Return whether each ball approaches the next one or keeps its distance from it ``(N-1,)``.
 
     ``pair``: kinematics of touching balls; ``q``: motions of the balls, n unknowns each ``(N, n)``; ``tolerance``: least
     speed of approach that counts, as a fraction of the nominal speed; with 0 neighbours of equal speed are included.
     """
-    rate = (q[:-1, 0] - q[1:, 0]) * pair.units[0] / pair.speed
+    rate = (q[:-1, 0] - q[1:, 0]) * pair.surface_speed_per_unit[0] / pair.speed
     return np.asarray(rate >= tolerance)
 
 
-def solve_chain_by_root(
+def solve_motions_of_balls_by_root(
     balls: LoadedBalls,
     law: FrictionLaw,
     may_touch: Mask,
     start: Array | None = None,
     touching: tuple[Array, Array] | None = None,
-) -> LinMotion:
+) -> BallMotionsByLin:
     """Return the motions of a row of balls and the forces between them by the method of Lin's thesis.
 
     The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact
@@ -278,24 +288,25 @@ def solve_chain_by_root(
         Motions ``(N, n)`` and forces ``(N-1,)`` [N] from which the search for touching balls starts; None: the motions
         found for balls without forces between them, and no forces.
     """
-    pair = balls.pair
+    pair = balls.ball_to_ball_contact
     none = np.zeros(balls.count - 1)
-    first = np.tile(pair.nominal, (balls.count, 1)) if start is None else np.asarray(start, dtype=float)
+    first = np.tile(pair.nominal_rolling_motion, (balls.count, 1)) if start is None else np.asarray(start, dtype=float)
     free, _, left, calls = solve_touching_groups(balls, law, none > 0.0, (first, none))
     touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free)
     q, force = free, none
     if left <= ACCEPTED and np.any(touch):
         q, force, left, further = solve_touching_groups(balls, law, touch, (free, none) if touching is None else touching)
         calls += further
-    balanced = forces_and_losses(balls, law, q, force)
+    balanced = ball_forces_and_losses(balls, law, q, force)
     wrong = bool(
-        np.any(force < -ACCEPTED * balls.bound) or np.any(may_touch & ~touch & neighbours_not_separating(pair, q, ACCEPTED))
+        np.any(force < -ACCEPTED * balls.largest_friction_bound)
+        or np.any(may_touch & ~touch & neighbours_not_separating(pair, q, ACCEPTED))
     )
     status: Status = "failed" if not left <= ACCEPTED else "overlapping" if wrong else "exact"
-    return LinMotion(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
+    return BallMotionsByLin(q, free, force, balanced.groove_loss, balanced.ball_loss, left, calls, status)
 
 
-def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction:
+def ball_to_ball_contact_of_linear_bearing(bearing: LinearBearing) -> BallToBallContact:
     """Return kinematics and friction of touching balls of a linear bearing, by equations 3.26 to 3.29 of Lin's thesis.
 
     The unknowns of a ball are its speed v along the track [m/s] and its angular speeds omega_x and omega_y about the
@@ -304,7 +315,7 @@ def linear_neighbour_interaction(bearing: LinearBearing) -> NeighbourInteraction
     r, v = bearing.ball_radius, bearing.speed
     turns = np.array([[0.0, 0.0, r], [0.0, -r, 0.0]])
     nominal = np.array([0.5 * v, 0.5 * v / (r * np.cos(bearing.contact_angle)), 0.0])
-    return NeighbourInteraction(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
+    return BallToBallContact(turns, -turns, 1.0, bearing.mu_balls, np.array([1.0, r, r]), nominal)
 
 
 def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array) -> LoadedBalls:
@@ -323,7 +334,7 @@ def balls_of_linear_bearing(bearing: LinearBearing, angles: Array, loads: Array)
     maps[..., 2, 1], maps[..., 2, 2] = n[..., 0], n[..., 1]
     drives = np.zeros((*loads.shape, 3))
     drives[..., 1] = -MOVING * bearing.speed
-    return LoadedBalls(at, maps, drives, linear_neighbour_interaction(bearing))
+    return LoadedBalls(at, maps, drives, ball_to_ball_contact_of_linear_bearing(bearing))
 
 
 def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> FrictionLaw:
@@ -335,13 +346,13 @@ def linear_bearing_friction_law(bearing: LinearBearing, sharpness: float | None 
     both rings, is zero between grooves that do not turn.
     """
     if sharpness is None:
-        return Coulomb()
-    return Sigmoid(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
+        return CoulombLaw()
+    return SigmoidLaw(sharpness, 0.5 * abs(bearing.speed) * float(np.tan(bearing.contact_angle)) / bearing.ball_radius)
 
 
 def solve_linear_bearing_by_root(
     bearing: LinearBearing, angles: Array, loads: Array, may_touch: Mask | bool = True, law: FrictionLaw | None = None
-) -> LinMotion:
+) -> BallMotionsByLin:
     """Return the motion of balls in a linear bearing by Lin's method, equations 3.25 to 3.31 of his thesis.
 
     ``bearing``: the bearing; ``angles`` [rad], ``loads`` [N]: contact angles and loads of N balls ``(N, 4)``;
@@ -350,12 +361,12 @@ def solve_linear_bearing_by_root(
     """
     balls = balls_of_linear_bearing(bearing, angles, loads)
     near = np.broadcast_to(np.asarray(may_touch, dtype=bool), (balls.count - 1,))
-    return solve_chain_by_root(balls, Coulomb() if law is None else law, near)
+    return solve_motions_of_balls_by_root(balls, CoulombLaw() if law is None else law, near)
 
 
 def solve_linear_pair_by_root(
     bearing: LinearBearing, theta: float, side_force_ratio: float, vertical: float, law: FrictionLaw | None = None
-) -> LinMotion:
+) -> BallMotionsByLin:
     """Return the motion by Lin's method of the two balls in section 3.3.4 of his thesis, which are near enough to touch.
 
     ``bearing``: the bearing; ``theta``: deviation of the contact angles on the bottom groove [rad]; ``side_force_ratio``:

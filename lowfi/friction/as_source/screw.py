@@ -14,7 +14,7 @@ computed first, and this position is then held.
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
 separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
 positions advance with these speeds. The method does not prevent negative gaps; the property
-`LinScrewHistory.largest_overlap` gives the largest of them.
+`ScrewHistoryByLin.largest_overlap` gives the largest of them.
 
 To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
 own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
@@ -32,23 +32,23 @@ from scipy.optimize import root
 from rollbench.lowfi.friction.as_source.chain import (
     ACCEPTED,
     SHARPNESS,
-    LinMotion,
+    BallMotionsByLin,
+    BallToBallContact,
     LoadedBalls,
-    NeighbourInteraction,
     Status,
+    ball_forces_and_losses,
     balls_of_linear_bearing,
-    forces_and_losses,
     linear_bearing_friction_law,
     neighbours_not_separating,
-    solve_chain_by_root,
+    solve_motions_of_balls_by_root,
     solve_touching_groups,
     touching_groups,
 )
 from rollbench.lowfi.friction.contact.equilibrium import HYBRID, ContactLoadSolution
-from rollbench.lowfi.friction.contact.laws import FrictionLaw, Sigmoid
+from rollbench.lowfi.friction.contact.laws import FrictionLaw, SigmoidLaw
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain
-from rollbench.lowfi.friction.screw.chain import Chain, ChainMotion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import ChainMotion, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove
 from rollbench.lowfi.friction.screw.motion import (
     BallsBetweenGrooves,
@@ -66,11 +66,11 @@ class BallPositions:
     """Displacements and contact angles of N balls between their grooves, and displacement of the screw in m motions."""
 
     #: Displacement of the balls along x3, z3 ``(N, 2)`` [m].
-    ball: Array
+    ball_displacements: Array
     #: Contact angles gamma of the balls ``(N, 4)`` [rad].
-    gamma: Array
+    contact_angles: Array
     #: Displacement of the screw in each of its m motions ``(m,)`` [m].
-    screw: Array
+    screw_displacements: Array
 
 
 def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
@@ -86,13 +86,17 @@ def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositio
         Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent over the distance of
         the centres, zero if the condition is satisfied ``(N, 4)``; unit normals of the contacts ``(N, 4, 2)``.
     """
-    g, c, s = cell.groove, np.cos(positions.gamma), np.sin(positions.gamma)
-    screw = (cell.section_displacement_maps @ positions.screw + cell.offset)[:, None, :]
-    line = g.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
-    line = line + positions.ball[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
+    g, c, s = cell.groove, np.cos(positions.contact_angles), np.sin(positions.contact_angles)
+    screw = (cell.section_displacement_maps @ positions.screw_displacements + cell.given_screw_displacement)[:, None, :]
+    line = g.groove_ball_centre_distance * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
+    line = line + positions.ball_displacements[:, None, :] - np.where(ON_SCREW[:, None], screw, 0.0)
     normal, tangent = np.stack([SIGN_X * c, SIGN_Z * s], axis=-1), np.stack([-SIGN_X * s, SIGN_Z * c], axis=-1)
-    approach = np.sum(line * normal, axis=-1) - g.reach + cell.interference
-    return (np.maximum(approach, 0.0) / g.constants.C) ** 1.5, np.sum(line * tangent, axis=-1) / g.reach, normal
+    approach = np.sum(line * normal, axis=-1) - g.groove_ball_centre_distance + cell.interference
+    return (
+        (np.maximum(approach, 0.0) / g.contact_hertz_constants.C) ** 1.5,
+        np.sum(line * tangent, axis=-1) / g.groove_ball_centre_distance,
+        normal,
+    )
 
 
 def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
@@ -100,8 +104,8 @@ def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
 
     Forces and displacements in the equations of `solve_contact_loads_by_root` are divided by these values.
     """
-    share = max(float(np.linalg.norm(cell.force)) / cell.angle.shape[0], 1e-300)
-    return share, float(np.max(cell.groove.constants.C)) * share ** (2.0 / 3.0)
+    share = max(float(np.linalg.norm(cell.external_screw_force)) / cell.angle.shape[0], 1e-300)
+    return share, float(np.max(cell.groove.contact_hertz_constants.C)) * share ** (2.0 / 3.0)
 
 
 def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
@@ -112,10 +116,12 @@ def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     without preload. The function `solve_screw_contact_loads` starts from the same positions for a screw without given
     displacement.
     """
-    total, (_, size) = float(np.linalg.norm(cell.force)), load_and_approach_scales(cell)
+    total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_and_approach_scales(cell)
     size += max(0.0, -float(np.min(cell.interference)))
-    screw = np.zeros(cell.force.size) if total == 0.0 else 4.0 * size * cell.force / total
-    return BallPositions(0.5 * (cell.section_displacement_maps @ screw + cell.offset), cell.angle.copy(), screw)
+    screw = np.zeros(cell.external_screw_force.size) if total == 0.0 else 4.0 * size * cell.external_screw_force / total
+    return BallPositions(
+        0.5 * (cell.section_displacement_maps @ screw + cell.given_screw_displacement), cell.angle.copy(), screw
+    )
 
 
 def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions | None = None) -> ContactLoadSolution:
@@ -138,28 +144,39 @@ def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions 
         force, bent, normal = contact_loads_at_positions(cell, split(x))
         pull = force[..., None] * normal
         on_screw = (
-            np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1)) + cell.force + cell.drag
+            np.einsum("nim,ni->m", cell.section_displacement_maps, pull[:, ON_SCREW].sum(axis=1))
+            + cell.external_screw_force
+            + cell.screw_friction_forces
         )
-        return np.concatenate([((cell.push - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)])
+        return np.concatenate(
+            [((cell.ball_friction_forces - pull.sum(axis=1)) / scale).ravel(), bent.ravel(), on_screw / (n * scale)]
+        )
 
-    x = np.concatenate([(at.ball / size).ravel(), at.gamma.ravel(), at.screw / size])
+    x = np.concatenate([(at.ball_displacements / size).ravel(), at.contact_angles.ravel(), at.screw_displacements / size])
     solution = root(residual, x, method="hybr", options=HYBRID)
     places = split(solution.x)
     force, _, _ = contact_loads_at_positions(cell, places)
     left = float(np.max(np.abs(solution.fun))) * scale
     good = left <= ACCEPTED * (scale * n + float(force.sum()))
-    return ContactLoadSolution(force, places.gamma, places.ball, places.screw, left, int(solution.nfev), good)
+    return ContactLoadSolution(
+        force, places.contact_angles, places.ball_displacements, places.screw_displacements, left, int(solution.nfev), good
+    )
 
 
-def screw_neighbour_interaction(groove: ScrewGroove) -> NeighbourInteraction:
+def ball_to_ball_contact_of_screw(groove: ScrewGroove) -> BallToBallContact:
     """Return kinematics and friction of touching balls of a screw, on the exact helix.
 
     The unknowns of a ball are its angular speeds omega_B around the axis and omega_x, omega_y, omega_z [rad/s]. The exact
     helix corrects equations 3.73 to 3.75 of Lin's thesis.
     """
     p, r = groove.pair, groove.ball_radius
-    return NeighbourInteraction(
-        p.first, p.second, p.closing, groove.between, np.array([groove.radius, r, r, r]), least_sliding_motion(groove)
+    return BallToBallContact(
+        p.first_ball_surface_speeds,
+        p.second_ball_surface_speeds,
+        p.closing_speed_factor,
+        groove.ball_to_ball_mu,
+        np.array([groove.radius, r, r, r]),
+        least_sliding_motion(groove),
     )
 
 
@@ -169,7 +186,7 @@ def least_sliding_motion(groove: ScrewGroove) -> Array:
     The four values are the angular speeds omega_B around the axis and omega_x, omega_y, omega_z. Searches start from this
     motion, which is an assumption, because Lin's text does not say where they start.
     """
-    maps, drives = groove.maps(groove.normals(np.full(4, groove.contact_angle)))
+    maps, drives = groove.contact_kinematics(groove.normals(np.full(4, groove.contact_angle)))
     units = np.array([groove.radius, *[groove.ball_radius] * 3])
     x = np.linalg.lstsq((maps[:, :2] / units).reshape(8, 4), -drives[:, :2].ravel(), rcond=None)[0]
     return np.asarray(x / units)
@@ -181,60 +198,60 @@ def balls_of_screw(groove: ScrewGroove, force: Array, angle: Array) -> LoadedBal
     ``force``: contact loads ``(N, 4)`` [N]; ``angle``: contact angles ``(N, 4)`` [rad], both in the order SL, SR, NL, NR
     (screw or nut, left or right).
     """
-    maps, drives = groove.maps(groove.normals(angle))
-    return LoadedBalls(contact_ellipses_of_screw(groove, force), maps, drives, screw_neighbour_interaction(groove))
+    maps, drives = groove.contact_kinematics(groove.normals(angle))
+    return LoadedBalls(contact_ellipses_of_screw(groove, force), maps, drives, ball_to_ball_contact_of_screw(groove))
 
 
 @dataclass(frozen=True)
-class LinState:
+class BallStateByLin:
     """Positions, contact loads and motions of N balls, as a start or result of searches by the method of Lin's thesis."""
 
     #: Positions of balls and screw, with the contact angles.
-    at: BallPositions
+    positions: BallPositions
     #: Contact forces ``(N, 4)`` [N].
-    force: Array
+    contact_forces: Array
     #: Motions of the balls, orbit and three rotations ``(N, 4)`` [rad/s].
-    q: Array
+    ball_motions: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
     #: Largest residual of the scaled equations.
-    left: float
+    largest_residual: float
     #: Number of evaluations of the equations.
     calls: int
 
 
 @dataclass(frozen=True)
-class LinScrewSolution:
+class ScrewSolutionByLin:
     """Contact loads and motions of the balls of a screw by the method of Lin's thesis."""
 
     #: Contact loads without friction.
-    load: ContactLoadSolution
+    frictionless_loads: ContactLoadSolution
     #: Contact forces with friction ``(N, 4)`` [N].
     force: Array
     #: Contact angles with friction ``(N, 4)`` [rad].
     angle: Array
     #: Motion of the balls and forces between them.
-    motion: LinMotion
+    motion: BallMotionsByLin
 
 
 def solve_loads_and_motion_of_group(
-    cell: BallsBetweenGrooves, law: FrictionLaw, start: LinState, reference_load: float
-) -> LinState:
+    cell: BallsBetweenGrooves, law: FrictionLaw, start: BallStateByLin, reference_load: float
+) -> BallStateByLin:
     """Return loads and motions of N touching balls, as the root of one system, with the screw fixed in its position.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction
     law; ``start``: state from which the search starts, which also gives the position of the screw; ``reference_load``:
     sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
-    g, pair = cell.groove, screw_neighbour_interaction(cell.groove)
-    n, turn = cell.angle.shape[0], pair.units / pair.speed
-    size, bound = float(np.max(g.constants.C)) * reference_load ** (2.0 / 3.0), g.mu * reference_load or 1.0
+    g, pair = cell.groove, ball_to_ball_contact_of_screw(cell.groove)
+    n, turn = cell.angle.shape[0], pair.surface_speed_per_unit / pair.speed
+    size, bound = float(np.max(g.contact_hertz_constants.C)) * reference_load ** (2.0 / 3.0), g.mu * reference_load or 1.0
 
     def split(x: Array) -> tuple[BallPositions, Array, Array]:
         """Return positions, motions and forces between the balls from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
         return (
-            BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.at.screw),
+            BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.positions.screw_displacements),
             by_ball[:, 6:] / turn,
             x[10 * n :] * bound,
         )
@@ -245,26 +262,30 @@ def solve_loads_and_motion_of_group(
             return np.full_like(x, 1e3)
         places, q, between = split(x)
         force, bent, normal = contact_loads_at_positions(cell, places)
-        rolling = forces_and_losses(balls_of_screw(g, force, places.gamma), law, q, between)
-        friction = friction_wrench_at_contacts(g.normals(places.gamma), rolling.force, rolling.moment)[..., [0, 2]]
-        pull = cell.push + (friction - force[..., None] * normal).sum(axis=1)
-        bite = (pair.mu * between)[:, None] * rolling.rub
-        pull[:-1] += (between[:, None] * g.pair.push[0] - bite @ g.pair.slide[0])[:, [0, 2]]
-        pull[1:] += (between[:, None] * g.pair.push[1] + bite @ g.pair.slide[1])[:, [0, 2]]
-        equations = np.concatenate([pull / reference_load, bent, rolling.left / (pair.units * bound)], axis=1)
+        rolling = ball_forces_and_losses(balls_of_screw(g, force, places.contact_angles), law, q, between)
+        friction = friction_wrench_at_contacts(g.normals(places.contact_angles), rolling.force, rolling.moment)[..., [0, 2]]
+        pull = cell.ball_friction_forces + (friction - force[..., None] * normal).sum(axis=1)
+        bite = (pair.mu * between)[:, None] * rolling.sliding_directions
+        pull[:-1] += (between[:, None] * g.pair.force_directions[0] - bite @ g.pair.tangent_directions[0])[:, [0, 2]]
+        pull[1:] += (between[:, None] * g.pair.force_directions[1] + bite @ g.pair.tangent_directions[1])[:, [0, 2]]
+        equations = np.concatenate(
+            [pull / reference_load, bent, rolling.unbalanced_forces / (pair.surface_speed_per_unit * bound)], axis=1
+        )
         return np.append(equations.ravel(), np.diff(q[:, 0]) * turn[0])
 
-    unknowns = np.concatenate([start.at.ball / size, start.at.gamma, start.q * turn], axis=1)
+    unknowns = np.concatenate(
+        [start.positions.ball_displacements / size, start.positions.contact_angles, start.ball_motions * turn], axis=1
+    )
     x = np.append(unknowns.ravel(), start.ball_force / bound)
     solution = root(residual, x, method="hybr", options=HYBRID)
     at, q, between = split(solution.x)
     force, _, _ = contact_loads_at_positions(cell, at)
-    return LinState(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
+    return BallStateByLin(at, force, q, between, float(np.max(np.abs(solution.fun))), int(solution.nfev))
 
 
 def solve_loads_and_motion_of_groups(
-    cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: LinState, reference_load: float
-) -> LinState:
+    cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: BallStateByLin, reference_load: float
+) -> BallStateByLin:
     """Return loads and motions of all N balls, with the screw fixed in its position, if it is known which balls touch.
 
     Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
@@ -272,7 +293,11 @@ def solve_loads_and_motion_of_groups(
     searches start; ``reference_load``: sum of the contact loads of one ball [N], a scale by which forces are divided.
     """
     n = cell.angle.shape[0]
-    ball, gamma, q = start.at.ball.copy(), start.at.gamma.copy(), start.q.copy()
+    ball, gamma, q = (
+        start.positions.ball_displacements.copy(),
+        start.positions.contact_angles.copy(),
+        start.ball_motions.copy(),
+    )
     force, between, left, calls = np.zeros((n, 4)), np.zeros(n - 1), 0.0, 0
     for group in touching_groups(touching):
         inner = slice(group.start, group.stop - 1)
@@ -280,42 +305,52 @@ def solve_loads_and_motion_of_groups(
             cell,
             angle=cell.angle[group],
             interference=cell.interference[group],
-            rows=cell.rows[group],
-            offset=cell.offset[group],
-            push=cell.push[group],
+            screw_displacement_maps=cell.screw_displacement_maps[group],
+            given_screw_displacement=cell.given_screw_displacement[group],
+            ball_friction_forces=cell.ball_friction_forces[group],
         )
-        at = BallPositions(start.at.ball[group], start.at.gamma[group], start.at.screw)
-        begin = LinState(at, force[group], start.q[group], start.ball_force[inner], 0.0, 0)
+        at = BallPositions(
+            start.positions.ball_displacements[group],
+            start.positions.contact_angles[group],
+            start.positions.screw_displacements,
+        )
+        begin = BallStateByLin(at, force[group], start.ball_motions[group], start.ball_force[inner], 0.0, 0)
         solved = solve_loads_and_motion_of_group(group_cell, law, begin, reference_load)
-        ball[group], gamma[group], force[group] = solved.at.ball, solved.at.gamma, solved.force
-        q[group], between[inner] = solved.q, solved.ball_force
-        left, calls = max(left, solved.left), calls + solved.calls
-    return LinState(BallPositions(ball, gamma, start.at.screw), force, q, between, left, calls)
+        ball[group], gamma[group], force[group] = (
+            solved.positions.ball_displacements,
+            solved.positions.contact_angles,
+            solved.contact_forces,
+        )
+        q[group], between[inner] = solved.ball_motions, solved.ball_force
+        left, calls = max(left, solved.largest_residual), calls + solved.calls
+    return BallStateByLin(BallPositions(ball, gamma, start.positions.screw_displacements), force, q, between, left, calls)
 
 
-def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> LinState:
+def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> BallStateByLin:
     """Return rollbench's solution for two balls of a screw as a state from which searches by Lin's method start.
 
     ``result``: this solution; ``touching``: whether to take the state with ball-to-ball contact (True) or that without.
     """
-    solution = result.touching if touching else result.free
-    at = BallPositions(solution.load.ball, solution.load.angle, np.zeros(0))
-    return LinState(at, solution.load.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
+    solution = result.touching if touching else result.apart
+    at = BallPositions(solution.loads_with_friction.ball_displacements, solution.loads_with_friction.angle, np.zeros(0))
+    return BallStateByLin(at, solution.loads_with_friction.force, solution.motion.q, solution.motion.ball_force[:1], 0.0, 0)
 
 
-def solve_motion_of_separate_balls(cell: BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw) -> LinState:
+def solve_motion_of_separate_balls(
+    cell: BallsBetweenGrooves, load: ContactLoadSolution, law: FrictionLaw
+) -> BallStateByLin:
     """Return the motions of balls that do not touch each other, at contact loads without friction.
 
     They are found by a search from nominal rolling. Searches for loads and motion together start from this state if no
     other start is given. ``cell``: the balls and their grooves; ``load``: their contact loads without friction; ``law``:
     friction law.
     """
-    n, pair = cell.angle.shape[0], screw_neighbour_interaction(cell.groove)
-    none, first = np.zeros(n - 1), np.tile(pair.nominal, (n, 1))
+    n, pair = cell.angle.shape[0], ball_to_ball_contact_of_screw(cell.groove)
+    none, first = np.zeros(n - 1), np.tile(pair.nominal_rolling_motion, (n, 1))
     q, _, left, calls = solve_touching_groups(
         balls_of_screw(cell.groove, load.force, load.angle), law, none > 0.0, (first, none)
     )
-    return LinState(BallPositions(load.ball, load.angle, np.zeros(0)), load.force, q, none, left, calls)
+    return BallStateByLin(BallPositions(load.ball_displacements, load.angle, np.zeros(0)), load.force, q, none, left, calls)
 
 
 def solve_loads_and_motion_by_root(
@@ -323,9 +358,9 @@ def solve_loads_and_motion_by_root(
     load: ContactLoadSolution,
     may_touch: Mask,
     law: FrictionLaw,
-    start: LinState | None = None,
-    touching: LinState | None = None,
-) -> LinScrewSolution:
+    start: BallStateByLin | None = None,
+    touching: BallStateByLin | None = None,
+) -> ScrewSolutionByLin:
     """Return the contact loads and motions of N balls whose friction changes their contact loads, by Lin's method.
 
     Balls that approach each other when they are computed separately form groups that touch (equations 3.76 and 3.77 of
@@ -345,27 +380,41 @@ def solve_loads_and_motion_by_root(
     touching
         State from which the search for touching balls starts; None: the result for balls without contact with each other.
     """
-    held, pair = with_fixed_screw(cell, load), screw_neighbour_interaction(cell.groove)
+    held, pair = with_fixed_screw(cell, load), ball_to_ball_contact_of_screw(cell.groove)
     scale = max(float(load.force.sum(axis=1).max()), 1e-300)
     begin = solve_motion_of_separate_balls(cell, load, law) if start is None else start
     none = np.zeros(cell.angle.shape[0] - 1)
     free = solved = solve_loads_and_motion_of_groups(held, law, none > 0.0, replace(begin, ball_force=none), scale)
     calls = begin.calls + free.calls
-    touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free.q)
-    if free.left <= ACCEPTED and np.any(touch):
+    touch = np.asarray(may_touch, dtype=bool) & neighbours_not_separating(pair, free.ball_motions)
+    if free.largest_residual <= ACCEPTED and np.any(touch):
         solved = solve_loads_and_motion_of_groups(held, law, touch, free if touching is None else touching, scale)
         calls += solved.calls
-    sums = forces_and_losses(balls_of_screw(cell.groove, solved.force, solved.at.gamma), law, solved.q, solved.ball_force)
+    sums = ball_forces_and_losses(
+        balls_of_screw(cell.groove, solved.contact_forces, solved.positions.contact_angles),
+        law,
+        solved.ball_motions,
+        solved.ball_force,
+    )
     bad = np.any(solved.ball_force < -ACCEPTED * cell.groove.mu * scale)
-    wrong = bool(bad or np.any(may_touch & ~touch & neighbours_not_separating(pair, solved.q, ACCEPTED)))
-    status: Status = "failed" if not solved.left <= ACCEPTED else "overlapping" if wrong else "exact"
-    motion = LinMotion(solved.q, free.q, solved.ball_force, sums.groove_loss, sums.ball_loss, solved.left, calls, status)
-    return LinScrewSolution(load, solved.force, solved.at.gamma, motion)
+    wrong = bool(bad or np.any(may_touch & ~touch & neighbours_not_separating(pair, solved.ball_motions, ACCEPTED)))
+    status: Status = "failed" if not solved.largest_residual <= ACCEPTED else "overlapping" if wrong else "exact"
+    motion = BallMotionsByLin(
+        solved.ball_motions,
+        free.ball_motions,
+        solved.ball_force,
+        sums.groove_loss,
+        sums.ball_loss,
+        solved.largest_residual,
+        calls,
+        status,
+    )
+    return ScrewSolutionByLin(load, solved.contact_forces, solved.positions.contact_angles, motion)
 
 
 def solve_screw_pair_by_root(
-    pair: Pair, law: FrictionLaw | None = None, start: LinState | None = None, touching: LinState | None = None
-) -> LinScrewSolution:
+    pair: Pair, law: FrictionLaw | None = None, start: BallStateByLin | None = None, touching: BallStateByLin | None = None
+) -> ScrewSolutionByLin:
     """Return the loads and motions of two balls of a screw that are near enough to touch, by Lin's method (section 3.4.3).
 
     The contact loads without friction are found first. If the coupling of the pair is "none", the motion is solved at these
@@ -389,22 +438,23 @@ def solve_screw_pair_by_root(
     load, reach = solve_contact_loads_by_root(cell), np.array([True])
     if not load.converged:
         raise RuntimeError(
-            f"root finding of the contact loads failed: {load.left:.1e} N are out of balance after {load.steps} evaluations"
+            f"root finding of the contact loads failed: {load.largest_unbalanced_force:.1e} N are out of balance after "
+            f"{load.steps} evaluations"
         )
     if pair.coupling == "ball":
         return solve_loads_and_motion_by_root(cell, load, reach, law, start, touching)
-    motion = solve_chain_by_root(
+    motion = solve_motions_of_balls_by_root(
         balls_of_screw(pair.groove, load.force, load.angle),
         law,
         reach,
-        None if start is None else start.q,
-        None if touching is None else (touching.q, touching.ball_force),
+        None if start is None else start.ball_motions,
+        None if touching is None else (touching.ball_motions, touching.ball_force),
     )
-    return LinScrewSolution(load, load.force, load.angle, motion)
+    return ScrewSolutionByLin(load, load.force, load.angle, motion)
 
 
 @dataclass(frozen=True)
-class LinScrewHistory:
+class ScrewHistoryByLin:
     """Simulation over time of N balls of a screw by Lin's method in T steps.
 
     Ball k pushes ball k + 1; the last one pushes the first.
@@ -422,17 +472,17 @@ class LinScrewHistory:
     groove_torque: Array
     #: Friction torque of the contacts between balls ``(T,)`` [N m].
     ball_torque: Array
-    #: Status of each step's motion (`LinMotion.status`); ``"failed"`` also if no contact loads were found. After a
+    #: Status of each step's motion (`BallMotionsByLin.status`); ``"failed"`` also if no contact loads were found. After a
     #: failure the speeds of the previous step continue.
     status: tuple[str, ...]
 
     @property
-    def failures(self) -> int:
+    def failed_step_count(self) -> int:
         """Number of steps for which no root was found."""
         return self.status.count("failed")
 
     @property
-    def overlapping(self) -> int:
+    def overlapping_step_count(self) -> int:
         """Number of steps whose root is impossible: neighbours that count as apart approach, or touching ones pull."""
         return self.status.count("overlapping")
 
@@ -447,16 +497,16 @@ class _PreviousStep:
     """Positions, motions and forces of N balls in the previous time step, from which searches start."""
 
     #: Positions of balls and screw in the previous step.
-    at: BallPositions
+    positions: BallPositions
     #: Motions of the balls if none touches another ``(N, 4)`` [rad/s].
-    free: Array
+    motions_without_ball_forces: Array
     #: Motions of the balls with the forces between them ``(N, 4)`` [rad/s].
-    q: Array
+    ball_motions: Array
     #: Force of each ball on the next one ``(N,)`` [N].
     force: Array
 
 
-def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
+def simulate_by_root(run: Run, steps: int | None = None) -> ScrewHistoryByLin:
     """Return the first time steps of a transient simulation of a screw by Lin's method with his sigmoid friction law.
 
     The balls are spread evenly at the beginning. Every search starts from the result of the previous step, the first one
@@ -489,13 +539,17 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
         turned = g.speed * dt * k
         azimuths, loaded = run.place(azimuth, turned)
         load = solve_contact_loads_by_root(
-            balls_at_instant(run, azimuths, loaded, turned), None if before is None else before.at
+            balls_at_instant(run, azimuths, loaded, turned), None if before is None else before.positions
         )
-        at = BallPositions(load.ball, load.angle, load.inner)
+        at = BallPositions(load.ball_displacements, load.angle, load.inner_body_displacements)
         motion, order = _solve_motion_of_step(run, load.force, load.angle, gap <= 0.0, law, before)
         good = load.converged and motion.status != "failed"
         force, q, free = np.zeros(n), np.empty((n, 4)), np.empty((n, 4))
-        force[order[:-1]], q[order], free[order] = motion.ball_force, motion.q, motion.free
+        force[order[:-1]], q[order], free[order] = (
+            motion.ball_force,
+            motion.ball_motions,
+            motion.motions_without_ball_forces,
+        )
         if good:
             before, omega = _PreviousStep(at, free, q, force), q[:, 0] - g.screw_speed
         gap = gap + dt * (np.roll(omega, -1) - omega)
@@ -505,12 +559,12 @@ def simulate_by_root(run: Run, steps: int | None = None) -> LinScrewHistory:
         azimuth = azimuth + dt * omega
     gaps, forces, speeds, groove, ball = (np.array(c, dtype=float) for c in zip(*rows, strict=True))
     nut_angle = np.array([g.speed * dt * k for k in range(len(rows))])
-    return LinScrewHistory(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
+    return ScrewHistoryByLin(nut_angle, gaps, forces, speeds, groove, ball, tuple(status))
 
 
 def _solve_motion_of_step(
     run: Run, force: Array, angle: Array, may_touch: NDArray[np.bool_], law: FrictionLaw, previous: _PreviousStep | None
-) -> tuple[LinMotion, NDArray[np.intp]]:
+) -> tuple[BallMotionsByLin, NDArray[np.intp]]:
     """Return the motion of the balls in one time step, and the indices of the balls in the order of this motion ``(N,)``.
 
     The order begins after a ball that cannot touch the next one: there the ring of balls is cut open. ``force`` [N],
@@ -526,10 +580,12 @@ def _solve_motion_of_step(
     balls = balls_of_screw(run.groove, force[order], angle[order])
     near = may_touch[order[:-1]]
     if previous is None:
-        return solve_chain_by_root(balls, law, near), order
-    free = previous.free[order]
-    motion = solve_chain_by_root(balls, law, near, free, (previous.q[order], previous.force[order[:-1]]))
-    return (motion if motion.status != "failed" else solve_chain_by_root(balls, law, near, free)), order
+        return solve_motions_of_balls_by_root(balls, law, near), order
+    free = previous.motions_without_ball_forces[order]
+    motion = solve_motions_of_balls_by_root(
+        balls, law, near, free, (previous.ball_motions[order], previous.force[order[:-1]])
+    )
+    return (motion if motion.status != "failed" else solve_motions_of_balls_by_root(balls, law, near, free)), order
 
 
 def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator, largest_deviation: float) -> Array:
@@ -545,8 +601,8 @@ def randomly_perturbed_motions(q: Array, units: Array, rng: np.random.Generator,
 
 
 def linear_solutions_from_starts(
-    bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
-) -> Iterator[LinMotion]:
+    bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, largest_deviation: float
+) -> Iterator[BallMotionsByLin]:
     """Yield motions of N balls of a linear bearing by Lin's method, from nominal rolling and then from random starts.
 
     All neighbours are near enough to touch. The random starts are motions that deviate from the solution by rollbench, with
@@ -564,26 +620,26 @@ def linear_solutions_from_starts(
         Generator of the random numbers.
     count
         Number of random starts.
-    off
+    largest_deviation
         Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
     apart, together = (
         solve_linear_chain(prepare_linear_chain(bearing, angles, loads, touching)) for touching in (False, True)
     )
     balls = balls_of_linear_bearing(bearing, angles, loads)
-    law = linear_bearing_friction_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
-    reach, units = np.ones(balls.count - 1, dtype=bool), balls.pair.units
-    yield solve_chain_by_root(balls, law, reach)
+    law = linear_bearing_friction_law(bearing, SHARPNESS) if bearing.speed else SigmoidLaw(SHARPNESS, 1.0)
+    reach, units = np.ones(balls.count - 1, dtype=bool), balls.ball_to_ball_contact.surface_speed_per_unit
+    yield solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
         free, near = (
-            randomly_perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, off)
+            randomly_perturbed_motions(np.column_stack([r.velocity, r.rotation]), units, rng, largest_deviation)
             for r in (apart, together)
         )
         force = together.ball_force * rng.uniform(0.0, 2.0, together.ball_force.size)
-        yield solve_chain_by_root(balls, law, reach, free, (near, force))
+        yield solve_motions_of_balls_by_root(balls, law, reach, free, (near, force))
 
 
-def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = SHARPNESS) -> Sigmoid:
+def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = SHARPNESS) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for a screw, also for a screw at rest.
 
     For a screw at rest the reference spin of the sigmoid would be zero; it is then set to 1 rad/s.
@@ -595,12 +651,12 @@ def sigmoid_of_moving_or_resting_screw(groove: ScrewGroove, sharpness: float = S
     sharpness
         Sharpness k_S of the sigmoid.
     """
-    return lin_sigmoid_law(groove, sharpness) if groove.speed else Sigmoid(sharpness, 1.0)
+    return lin_sigmoid_law(groove, sharpness) if groove.speed else SigmoidLaw(sharpness, 1.0)
 
 
 def pair_solutions_from_starts(
-    pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, off: float
-) -> Iterator[LinMotion | None]:
+    pair: Pair, solved: ScrewPairSolution, rng: np.random.Generator, count: int, largest_deviation: float
+) -> Iterator[BallMotionsByLin | None]:
     """Yield motions of two balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     None is yielded where the method finds no contact loads. The random starts are states that deviate from the solution by
@@ -616,19 +672,25 @@ def pair_solutions_from_starts(
         Generator of the random numbers.
     count
         Number of random starts.
-    off
+    largest_deviation
         Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
     free, touching, units = (
         lin_state_of_result(solved, False),
         lin_state_of_result(solved, True),
-        screw_neighbour_interaction(pair.groove).units,
+        ball_to_ball_contact_of_screw(pair.groove).surface_speed_per_unit,
     )
-    starts: list[tuple[LinState | None, LinState | None]] = [(None, None)]
+    starts: list[tuple[BallStateByLin | None, BallStateByLin | None]] = [(None, None)]
     for _ in range(count):
         force = touching.ball_force * rng.uniform(0.0, 2.0, 1)
-        near = replace(touching, q=randomly_perturbed_motions(touching.q, units, rng, off), ball_force=force)
-        starts.append((replace(free, q=randomly_perturbed_motions(free.q, units, rng, off)), near))
+        near = replace(
+            touching,
+            ball_motions=randomly_perturbed_motions(touching.ball_motions, units, rng, largest_deviation),
+            ball_force=force,
+        )
+        starts.append(
+            (replace(free, ball_motions=randomly_perturbed_motions(free.ball_motions, units, rng, largest_deviation)), near)
+        )
     for start in starts:
         try:
             yield solve_screw_pair_by_root(pair, sigmoid_of_moving_or_resting_screw(pair.groove), *start).motion
@@ -637,8 +699,8 @@ def pair_solutions_from_starts(
 
 
 def chain_motions_from_random_starts(
-    chain: Chain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
-) -> Iterator[LinMotion]:
+    chain: ScrewBallChain, angle: Array, solved: ChainMotion, rng: np.random.Generator, count: int, largest_deviation: float
+) -> Iterator[BallMotionsByLin]:
     """Yield motions of an open chain of balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
     The contact loads are given. Only neighbours without a gap count as near enough to touch: if a gap closes within a time
@@ -659,10 +721,13 @@ def chain_motions_from_random_starts(
     largest_deviation
         Largest deviation of a start from the solution by rollbench, as a fraction of the value.
     """
-    alone = solve_motion_of_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
+    alone = solve_motion_of_chain(replace(chain, allowed_closing_rate=np.full(chain.allowed_closing_rate.shape, np.inf)))
     balls, law = balls_of_screw(chain.groove, chain.force, angle), sigmoid_of_moving_or_resting_screw(chain.groove)
-    reach, force = chain.slack[:-1] <= 0.0, solved.ball_force[:-1]
-    yield solve_chain_by_root(balls, law, reach)
+    reach, force = chain.allowed_closing_rate[:-1] <= 0.0, solved.ball_force[:-1]
+    yield solve_motions_of_balls_by_root(balls, law, reach)
     for _ in range(count):
-        free, near = (randomly_perturbed_motions(q, balls.pair.units, rng, largest_deviation) for q in (alone.q, solved.q))
-        yield solve_chain_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))
+        free, near = (
+            randomly_perturbed_motions(q, balls.ball_to_ball_contact.surface_speed_per_unit, rng, largest_deviation)
+            for q in (alone.q, solved.q)
+        )
+        yield solve_motions_of_balls_by_root(balls, law, reach, free, (near, force * rng.uniform(0.0, 2.0, force.size)))

@@ -21,8 +21,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays, CellState
-from rollbench.lowfi.friction.contact.laws import Contacts, Friction, FrictionLaw, Sigmoid
+from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays, BallContactState
+from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalContacts, FrictionLaw, SigmoidLaw
 from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
 
@@ -42,25 +42,30 @@ class ContactLoadSolution:
     #: Contact angles under load ``(N, 4)`` [rad].
     angle: Array
     #: Displacements of the balls along x, z of their sections ``(N, 2)`` [m].
-    ball: Array
+    ball_displacements: Array
     #: Displacement of the inner body in each of the m motions in which it is free ``(m,)`` [m].
-    inner: Array
+    inner_body_displacements: Array
     #: Largest unbalanced force [N].
-    left: float
+    largest_unbalanced_force: float
     #: Number of Newton steps.
     steps: int
     #: Whether the unbalanced force is below 1e-8 times the sum of forces.
     converged: bool
 
 
-def zero_cell_state(cell: CellArrays) -> CellState:
+def zero_contact_state_arrays(cell: BallContactArrays) -> BallContactState:
     """Return zero arrays, in the sizes of ``cell``, for contact forces, stiffness and unbalanced forces by the kernels."""
-    n, m = cell.interference.shape[0], cell.pull.shape[0]
-    return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
+    n, m = cell.interference.shape[0], cell.inner_body_forces.shape[0]
+    return BallContactState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
 
 
 def solve_contact_loads(
-    cell: CellArrays, total_force: float, ball: Array, inner: Array, angles: Callable[[Array], Array], fast: bool = False
+    cell: BallContactArrays,
+    total_force: float,
+    ball: Array,
+    inner: Array,
+    angles: Callable[[Array], Array],
+    fast: bool = False,
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
@@ -84,11 +89,16 @@ def solve_contact_loads(
     fast
         Whether to use compiled kernels.
     """
-    state = zero_cell_state(cell)
+    state = zero_contact_state_arrays(cell)
     steps = int(
         load_kernel_package(CONTACT, compiled=fast).minimise_energy(cell, total_force, ball, inner, state, GOAL, STEPS)
     )
-    left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
+    left = float(
+        max(
+            np.max(np.abs(state.ball_unbalanced_forces), initial=0.0),
+            np.max(np.abs(state.inner_unbalanced_forces), initial=0.0),
+        )
+    )
     good = left <= ACCEPTED * (total_force + float(np.sum(state.force)))
     return ContactLoadSolution(state.force, angles(state.normal), ball, inner, left, steps, good)
 
@@ -131,7 +141,9 @@ def solve_contact_loads_of_each_ball(
     x, n = starting_displacements.copy(), len(starting_displacements)
     force, normal, left = np.zeros((n, 4)), np.zeros((n, 4, 2)), np.zeros(n)
     given_arrays = (np.ascontiguousarray(a, dtype=float) for a in (start, interference, C, inner_direction, applied_forces))
-    load_kernel_package(CONTACT, compiled=fast).minimise_each(*given_arrays, x, force, normal, left, GOAL, STEPS)
+    load_kernel_package(CONTACT, compiled=fast).minimise_energy_of_each_ball(
+        *given_arrays, x, force, normal, left, GOAL, STEPS
+    )
     return x, force, normal, left
 
 
@@ -143,39 +155,49 @@ HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 
 @dataclass(frozen=True)
-class MotionProblem:
+class BodyMotionProblem:
     """Contacts, kinematics and forces that determine n unknown velocities of a body with m frictional contacts."""
 
     #: Ellipses, loads and friction coefficients of the contacts.
-    at: Contacts
+    contacts: EllipticalContacts
     #: Motion vx, vz [m/s], spin [rad/s] of the contacts by unit of each unknown ``(m, 3, n)``.
-    maps: Array
+    contact_motion_maps: Array
     #: Motion vx, vz [m/s], spin [rad/s] of the contacts at zero unknowns, which the drive imposes ``(m, 3)``.
-    drives: Array
+    imposed_contact_motions: Array
     #: Generalised forces other than friction ``(n,)`` [W per unit of the unknown].
-    push: Array
+    other_forces: Array
 
     def contact_motions_at(self, q: Array) -> Array:
         """Return the motions vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)`` for unknown velocities q ``(n,)``."""
-        return np.asarray(self.drives + self.maps @ q)
+        return np.asarray(self.imposed_contact_motions + self.contact_motion_maps @ q)
 
-    def units(self) -> Array:
+    def surface_speed_per_unknown(self) -> Array:
         """Return the surface speed of the loaded contacts per unit of each unknown velocity ``(n,)``.
 
         It is 1 for an unknown that moves none of them. Solvers scale the unknowns by these values.
         """
-        rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
-        size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
+        rows = (
+            self.contact_motion_maps
+            * np.stack([np.ones_like(self.contacts.a), np.ones_like(self.contacts.a), self.contacts.a], axis=1)[:, :, None]
+        )
+        size = np.sqrt(np.sum(rows[self.contacts.friction_bound > 0.0] ** 2, axis=(0, 1)))
         return np.asarray(np.where(size > 0.0, size, 1.0))
 
-    def imbalance(self, friction: Friction) -> float:
+    def imbalance(self, friction: ContactFriction) -> float:
         """Return the largest unbalanced force on the body [N] under given friction and the other forces.
 
         ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed
         per unit (`units`), so that it is a force.
         """
         wrench = np.column_stack([friction.force, friction.moment])
-        return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
+        return float(
+            np.max(
+                np.abs(
+                    (np.einsum("ir,irj->j", wrench, self.contact_motion_maps) + self.other_forces)
+                    / self.surface_speed_per_unknown()
+                )
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -183,17 +205,17 @@ class BodyMotion:
     """Computed motion of a body with m frictional contacts and n unknown velocities, with the friction on it."""
 
     #: Unknown velocities of the body ``(n,)``.
-    q: Array
+    unknown_velocities: Array
     #: Motion vx, vz [m/s], spin [rad/s] of the contacts ``(m, 3)``.
-    motion: Array
+    contact_motions: Array
     #: Friction on the body, with the reactions of contacts at rest.
-    friction: Friction
+    friction: ContactFriction
     #: Which contacts are at rest ``(m,)``.
-    rest: NDArray[np.bool_]
+    sticking_contacts: NDArray[np.bool_]
     #: Largest unbalanced force [N].
     imbalance: float
     #: Lower and upper bound of the least value of eq. (1) of this module, dissipation less power of the other forces [W].
-    bounds: tuple[float, float]
+    dissipation_bounds: tuple[float, float]
     #: ``"exact"``: equilibrium in which contacts rest or slip exactly; ``"regularised"``: equilibrium with regularised
     #: friction, because a contact is on the verge of slip; ``"at rest"``: no motion, for lack of drive and force;
     #: ``"failed"``: no equilibrium found.
@@ -207,7 +229,7 @@ class BodyMotion:
         return float(np.sum(self.friction.loss))
 
 
-def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
+def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
     """Return the quasi-static motion of a body on frictional contacts: the motion of least dissipation.
 
     The dissipated power less the power of the other forces (eq. (1) of this module) is least there, so that all forces
@@ -222,27 +244,30 @@ def least_dissipation(problem: MotionProblem, start: Array | None = None, fast: 
     fast
         Whether to use compiled kernels.
     """
-    at = problem.at
-    m, n = at.a.shape[0], problem.maps.shape[2]
+    at = problem.contacts
+    m, n = at.a.shape[0], problem.contact_motion_maps.shape[2]
     q = np.zeros(n) if start is None else np.array(start, dtype=float)
     forces, rest, bounds = np.zeros((m, 3)), np.zeros(m), np.zeros(2)
-    shape = np.column_stack([at.a, at.b, at.strength])
-    maps, drives = np.ascontiguousarray(problem.maps, dtype=float), np.ascontiguousarray(problem.drives, dtype=float)
-    push = np.ascontiguousarray(problem.push, dtype=float)
+    shape = np.column_stack([at.a, at.b, at.friction_bound])
+    maps, drives = (
+        np.ascontiguousarray(problem.contact_motion_maps, dtype=float),
+        np.ascontiguousarray(problem.imposed_contact_motions, dtype=float),
+    )
+    push = np.ascontiguousarray(problem.other_forces, dtype=float)
     used = load_kernel_package(CONTACT, compiled=fast)
     begin = used.ROLLING if start is None else used.GIVEN
     code, left, steps = used.least_dissipation(shape, maps, drives, push, begin, q, forces, rest, bounds)
-    total = float(np.sum(at.strength))
+    total = float(np.sum(at.friction_bound))
     motion = problem.contact_motions_at(q)
     resting = rest > 0.0
     motion[resting] = 0.0
     return BodyMotion(
-        q=q,
-        motion=motion,
-        friction=Friction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1)),
-        rest=resting,
+        unknown_velocities=q,
+        contact_motions=motion,
+        friction=ContactFriction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1)),
+        sticking_contacts=resting,
         imbalance=float(left),
-        bounds=(float(bounds[0]), float(bounds[1])),
+        dissipation_bounds=(float(bounds[0]), float(bounds[1])),
         status=STATUS[code] if left <= 1e-6 * total or code == 2 else "failed",
         steps=int(steps),
     )
@@ -259,11 +284,13 @@ def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
     motion
         Motion of a body with its friction forces.
     """
-    none = Friction(*(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss)))
-    return replace(motion, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
+    none = ContactFriction(
+        *(np.zeros_like(v) for v in (motion.friction.force, motion.friction.moment, motion.friction.loss))
+    )
+    return replace(motion, friction=none, imbalance=0.0, dissipation_bounds=(0.0, 0.0))
 
 
-def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
+def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
     """Return the motion of a body at which its friction balances, as a root found by MINPACK's hybrid method.
 
     This is the method of Lin's thesis, which uses Matlab's fsolve for eq. (3.19). It fails from many starts near
@@ -280,36 +307,40 @@ def motion_by_root(problem: MotionProblem, law: FrictionLaw, start: Array, fast:
     fast
         Whether to use compiled kernels.
     """
-    units = problem.units()
-    scale = max(float(np.sum(problem.at.strength)), 1e-300)
+    units = problem.surface_speed_per_unknown()
+    scale = max(float(np.sum(problem.contacts.friction_bound)), 1e-300)
 
     def residual(p: Array) -> Array:
         """Return the unbalanced generalised forces over the sum of friction bounds, for scaled unknowns p ``(n,)``."""
-        f = law.friction(problem.at, problem.contact_motions_at(p / units), fast)
+        f = law.friction(problem.contacts, problem.contact_motions_at(p / units), fast)
         wrench = np.column_stack([f.force, f.moment])
-        return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))
+        return np.asarray(
+            (np.einsum("ir,irj->j", wrench, problem.contact_motion_maps) + problem.other_forces) / (units * scale)
+        )
 
     from scipy.optimize import root
 
     solution = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
     q = np.asarray(solution.x / units)
     motion = problem.contact_motions_at(q)
-    friction = law.friction(problem.at, motion, fast)
+    friction = law.friction(problem.contacts, motion, fast)
     left = problem.imbalance(friction)
     loss = float(np.sum(friction.loss))
     return BodyMotion(
-        q=q,
-        motion=motion,
+        unknown_velocities=q,
+        contact_motions=motion,
         friction=friction,
-        rest=np.zeros(motion.shape[0], dtype=bool),
+        sticking_contacts=np.zeros(motion.shape[0], dtype=bool),
         imbalance=left,
-        bounds=(loss, loss),
+        dissipation_bounds=(loss, loss),
         status="exact" if left <= 1e-8 * scale else "failed",
         steps=int(solution.nfev),
     )
 
 
-def motion_by_sharpened_sigmoids(problem: MotionProblem, law: Sigmoid, start: Array, fast: bool = False) -> BodyMotion:
+def motion_by_sharpened_sigmoids(
+    problem: BodyMotionProblem, law: SigmoidLaw, start: Array, fast: bool = False
+) -> BodyMotion:
     """Return the motion of a body in force balance under Lin's sigmoid law, found over sigmoids of increasing sharpness.
 
     The root for each sigmoid is the start of the next search (`motion_by_root`); the last sigmoid is ``law``. This is
@@ -337,7 +368,7 @@ def motion_by_sharpened_sigmoids(problem: MotionProblem, law: Sigmoid, start: Ar
         if motion.status == "exact":
             if last:
                 return replace(motion, steps=calls)
-            q, factor = motion.q, min(1.4, factor * factor)
+            q, factor = motion.unknown_velocities, min(1.4, factor * factor)
         else:
             share, factor = share / factor, float(np.sqrt(factor))
             if factor < 1.005:

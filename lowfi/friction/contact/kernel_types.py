@@ -39,7 +39,7 @@ class DissipationTerms(NamedTuple):
     spin_spin: float
 
 
-class CellArrays(NamedTuple):
+class BallContactArrays(NamedTuple):
     """Geometry, contact stiffness and applied forces of N balls between a movable inner and a fixed outer rigid body.
 
     The inner body (screw, inner ring or carriage) is free in m motions u. The axes x and z lie in the plane of each
@@ -47,24 +47,24 @@ class CellArrays(NamedTuple):
     """
 
     #: Vectors from the grooves' centres of curvature to the ball's centre (N, 4, 2) along x, z [m], at zero displacement.
-    start: Array
+    groove_to_ball_vectors: Array
     #: Interference of ball and groove at zero displacement, negative for clearance (N, 4) [m].
     interference: Array
     #: Hertz constants C of the approach C F^(2/3) at the four contacts of a ball (4,) [m/N^(2/3)].
     C: Array
     #: Displacement of the inner body along x, z at each ball per unit of each motion u (N, 2, m).
-    section: Array
+    inner_displacement_maps: Array
     #: Given displacement of the inner body along x, z at each ball, in addition to its motions u (N, 2) [m].
-    offset: Array
+    given_inner_displacement: Array
     #: Applied forces on the balls along x, z (N, 2) [N].
-    push: Array
+    ball_forces: Array
     #: Applied forces on the inner body along its motions u (m,) [N].
-    pull: Array
+    inner_body_forces: Array
     #: Distance of a groove's centre of curvature from the ball's centre [m], by which steps are limited.
-    reach: float
+    groove_ball_centre_distance: float
 
 
-class CellState(NamedTuple):
+class BallContactState(NamedTuple):
     """Contact forces and unbalanced forces of N balls and the inner body at given displacements, written by the kernels.
 
     An unbalanced force is the derivative of the elastic energy less the work of the applied forces by a displacement.
@@ -72,9 +72,9 @@ class CellState(NamedTuple):
 
     #: Derivative of elastic energy less work of the applied forces by the positions of the balls: forces out of balance (N,
     #: 2) [N].
-    ball: Array
+    ball_unbalanced_forces: Array
     #: Derivative of the same function by the displacements of the inner body (m,) [N].
-    inner: Array
+    inner_unbalanced_forces: Array
     #: Stiffness of the contacts, entries xx, xz, zz of a symmetric matrix (N, 4, 3) [N/m].
     stiffness: Array
     #: Contact forces (N, 4) [N].

@@ -19,7 +19,7 @@ from rollbench.meshes.arrays import Array
 
 
 @dataclass(frozen=True)
-class Contacts:
+class EllipticalContacts:
     """Semi-axes, normal forces and coefficients of friction of n elliptical contacts, arrays ``(n,)``."""
 
     #: Semi-axes a >= b [m].
@@ -32,13 +32,13 @@ class Contacts:
     mu: Array
 
     @property
-    def strength(self) -> Array:
+    def friction_bound(self) -> Array:
         """Friction bound mu F ``(n,)`` [N]."""
         return np.asarray(self.mu * self.load)
 
 
 @dataclass(frozen=True)
-class Friction:
+class ContactFriction:
     """Friction force, friction moment and friction loss at n contacts, acting on the moving body."""
 
     #: Force along x and z ``(n, 2)`` [N].
@@ -50,23 +50,23 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class Dissipation:
+class ContactDissipation:
     """Power that friction dissipates in each of n contacts, with its first and second derivatives by the sliding motion.
 
     The friction on the moving body is the negative gradient.
     """
 
     #: Dissipated power, a convex function of the motion ``(n,)`` [W].
-    value: Array
+    power: Array
     #: Derivatives by vx, vz [N] and spin [N m] ``(n, 3)``.
     gradient: Array
     #: Second derivatives by vx, vz and spin ``(n, 3, 3)`` [N s/m, N s, N m s].
     hessian: Array
     #: Value less the friction loss ``(n,)`` [W]; zero without a regularising speed.
-    excess: Array
+    excess_over_loss: Array
 
 
-def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> Contacts:
+def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayLike) -> EllipticalContacts:
     """Return the data of n contacts from numbers or arrays that broadcast to ``(n,)``, after checking them.
 
     Values out of range are refused. With these contacts the relative error of friction is 1e-10 for b/a >= 0.01 (against
@@ -87,7 +87,7 @@ def contacts_from_values(a: ArrayLike, b: ArrayLike, load: ArrayLike, mu: ArrayL
         A value is out of range or not finite.
     """
     arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (a, b, load, mu)))
-    full = Contacts(*(np.array(v) for v in arrays))
+    full = EllipticalContacts(*(np.array(v) for v in arrays))
     if not all(np.all(np.isfinite(v)) for v in arrays):
         raise ValueError("semi-axes, normal forces and coefficients of friction of contacts must be finite")
     if np.any(full.b <= 0.0) or np.any(full.a < full.b):
@@ -108,7 +108,9 @@ def motion_of_rotation_about_point(spin: ArrayLike, c: ArrayLike, d: ArrayLike) 
     return np.stack([-s * z, s * x, s], axis=1)
 
 
-def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False) -> Dissipation:
+def dissipated_power(
+    contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False
+) -> ContactDissipation:
     """Return the power that friction dissipates in each of n contacts, with its derivatives, in closed form.
 
     The power is mu int p sqrt(|v|^2 + speed^2) dA, with the local sliding velocity v, the Hertz pressure p, the coefficient
@@ -137,16 +139,18 @@ def dissipated_power(contacts: Contacts, motion: Array, regularising_speed: floa
     load_kernel_package(CONTACT, compiled=fast).dissipation_of_contacts(
         contacts.a, contacts.b, motion, float(regularising_speed), out
     )
-    out *= contacts.strength[:, None]
-    return Dissipation(
-        value=out[:, 0],
+    out *= contacts.friction_bound[:, None]
+    return ContactDissipation(
+        power=out[:, 0],
         gradient=out[:, 1:4],
         hessian=out[:, [5, 6, 8, 6, 7, 9, 8, 9, 10]].reshape(-1, 3, 3),
-        excess=regularising_speed * out[:, 4],
+        excess_over_loss=regularising_speed * out[:, 4],
     )
 
 
-def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False) -> Friction:
+def friction_forces(
+    contacts: EllipticalContacts, motion: Array, regularising_speed: float = 0.0, fast: bool = False
+) -> ContactFriction:
     """Return friction force, moment and loss of contacts for a given sliding motion.
 
     ``contacts``: ellipses, loads and coefficients of friction of n contacts; ``motion``: their sliding vx, vz [m/s] and
@@ -167,10 +171,10 @@ def friction_forces(contacts: Contacts, motion: Array, regularising_speed: float
     (-1.0, 2.0)
     """
     d = dissipated_power(contacts, motion, regularising_speed, fast)
-    return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
+    return ContactFriction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.power - d.excess_over_loss)
 
 
-def linear_force_factor(axis_ratio: ArrayLike) -> Array:
+def linear_friction_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the slope k_f of friction force over c/a for an elliptical contact that rotates about a point near its centre.
 
     The force is in units of mu F. c is the distance of the centre of rotation from the centre of the contact ellipse
@@ -188,19 +192,19 @@ def linear_force_factor(axis_ratio: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> round(float(linear_force_factor(1.0)), 6)
+    >>> round(float(linear_friction_force_factor(1.0)), 6)
     1.178097
     """
     k = np.asarray(axis_ratio, dtype=float)
     return np.asarray(0.5 * k * k * complete_elliptic_integrals(k)[2])
 
 
-def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
+def cubic_friction_force_factor(axis_ratio: ArrayLike) -> Array:
     """Return the factor g of the cubic term in the friction force of a rotating contact, force/(mu F) = k_f t - g t^3.
 
     Here t = c/a, and c is the distance of the centre of rotation from the centre of the contact ellipse along its
-    semi-axis a. The formula is exact for -1 <= t <= 1; k_f is `linear_force_factor`. The factor is g = (b/a)^2 (R_D(0,
-    1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
+    semi-axis a. The formula is exact for -1 <= t <= 1; k_f is `linear_friction_force_factor`. The factor is g = (b/a)^2
+    (R_D(0, 1, r^2) - R_D(0, r^2, 1))/(6 (1 - r^2)), with r = b/a <= 1 - 1e-6 and Carlson's elliptic integral R_D.
 
     Parameters
     ----------
@@ -212,12 +216,12 @@ def cubic_force_factor(axis_ratio: ArrayLike) -> Array:
     return np.asarray(k * k * (across - along) / (6.0 * (1.0 - k * k)))
 
 
-def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
+def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: float = 0.5) -> Array:
     """Return the largest relative error of a friction force that is assumed to be linear in c/a, for 0 < |c/a| <= reach.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio
-    of the exact force to t = c/a is k_f - g t^2 (`linear_force_factor`, `cubic_force_factor`). It is monotonous in t,
-    so the error is largest at an end of the range.
+    of the exact force to t = c/a is k_f - g t^2 (`linear_friction_force_factor`, `cubic_friction_force_factor`). It is
+    monotonous in t, so the error is largest at an end of the range.
 
     Parameters
     ----------
@@ -242,8 +246,8 @@ def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: 
             f"the largest distance c of the centre of rotation over the semi-axis a must lie in (0, 1], got {reach}: only "
             "for rotation about a point of the contact ellipse is the friction force a cubic of c/a"
         )
-    start = linear_force_factor(axis_ratio)
-    end = start - cubic_force_factor(axis_ratio) * reach**2
+    start = linear_friction_force_factor(axis_ratio)
+    end = start - cubic_friction_force_factor(axis_ratio) * reach**2
     return np.asarray(
         np.maximum(np.abs(np.asarray(force_slope) / start - 1.0), np.abs(np.asarray(force_slope) / end - 1.0))
     )
@@ -252,7 +256,7 @@ def error_of_linear_force(axis_ratio: ArrayLike, force_slope: ArrayLike, reach: 
 class FrictionLaw(Protocol):
     """Interface of a friction law for contacts that slide and spin."""
 
-    def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
+    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return the friction on the moving body at each of n contacts.
 
         ``at``: ellipses, loads and coefficients of friction; ``motion``: vx, vz [m/s] and spin [rad/s] of the contacts
@@ -261,31 +265,31 @@ class FrictionLaw(Protocol):
 
 
 @dataclass(frozen=True)
-class Coulomb:
+class CoulombLaw:
     """Coulomb's law: traction mu p against the local sliding velocity; zero at rest, where it is not determined."""
 
-    def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
+    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return Coulomb friction of n contacts at the given motion by exact integrals over their ellipses."""
         return friction_forces(at, motion, 0.0, fast)
 
 
 @dataclass(frozen=True)
-class RegularisedCoulomb:
+class RegularisedCoulombLaw:
     """Coulomb's law made smooth by a regularising speed: the traction is mu p v/sqrt(|v|^2 + speed^2).
 
     The dissipated power is convex in the motion and exceeds that of Coulomb's law by at most mu F speed.
     """
 
     #: Regularising speed > 0 [m/s].
-    speed: float
+    regularising_speed: float
 
-    def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
+    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return regularised friction of n contacts at the given motion by exact integrals over their ellipses."""
-        return friction_forces(at, motion, self.speed, fast)
+        return friction_forces(at, motion, self.regularising_speed, fast)
 
 
 @dataclass(frozen=True)
-class Sigmoid:
+class SigmoidLaw:
     """Lin's friction law: Coulomb friction multiplied by a sigmoid of the spin, Sig(k_S spin/reference) (Lin 3.20).
 
     k_S is the sharpness of the sigmoid function Sig, and reference the reference spin. The law is not the gradient of a
@@ -296,32 +300,34 @@ class Sigmoid:
     sharpness: float
     #: Reference spin, omega_I sin(beta) for a bearing with the speed omega_I of the inner ring and the contact angle beta
     #: [rad/s].
-    reference: float
+    reference_spin: float
     #: Step in c/a of Lin's table of friction forces, in which he interpolates linearly; None for exact integrals. c is the
     #: distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a.
     map_spacing: float | None = None
     #: Whether the sigmoid is a function of abs(spin). If it is one of the signed spin, as printed in Lin's eq. (3.19), the
     #: sign enters twice, and friction does not change its sign with the motion.
-    magnitude: bool = True
+    uses_spin_magnitude: bool = True
 
-    def factor(self, spin: Array) -> Array:
+    def sigmoid_of_spin(self, spin: Array) -> Array:
         """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s].
 
         It is computed as a hyperbolic tangent, which cannot overflow.
         """
-        x = np.abs(spin) if self.magnitude else spin
-        return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference))
+        x = np.abs(spin) if self.uses_spin_magnitude else spin
+        return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference_spin))
 
-    def friction(self, at: Contacts, motion: Array, fast: bool = False) -> Friction:
+    def friction(self, at: EllipticalContacts, motion: Array, fast: bool = False) -> ContactFriction:
         """Return Coulomb friction of n contacts at the given motion, exact or interpolated, times the sigmoid."""
         full = friction_forces(at, motion, 0.0, fast)
         if self.map_spacing is not None:
             full = interpolated_friction(at, motion, self.map_spacing, full, fast)
-        s = self.factor(motion[:, 2])
-        return Friction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
+        s = self.sigmoid_of_spin(motion[:, 2])
+        return ContactFriction(force=full.force * s[:, None], moment=full.moment * s, loss=full.loss * np.abs(s))
 
 
-def interpolated_friction(contacts: Contacts, motion: Array, spacing: float, exact: Friction, fast: bool) -> Friction:
+def interpolated_friction(
+    contacts: EllipticalContacts, motion: Array, spacing: float, exact: ContactFriction, fast: bool
+) -> ContactFriction:
     """Return Coulomb friction of n contacts, interpolated linearly in c/a as in section 3.2.1 of Lin's thesis.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. ``motion``:
@@ -347,4 +353,4 @@ def interpolated_friction(contacts: Contacts, motion: Array, spacing: float, exa
         ends.append(np.column_stack([f.force, f.moment, f.loss]))
     mixed = (1.0 - weight) * ends[0] + weight * ends[1]
     mixed = np.where(turns[:, None], mixed, np.column_stack([exact.force, exact.moment, exact.loss]))
-    return Friction(force=mixed[:, :2], moment=mixed[:, 2], loss=mixed[:, 3])
+    return ContactFriction(force=mixed[:, :2], moment=mixed[:, 2], loss=mixed[:, 3])

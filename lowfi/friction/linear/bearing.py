@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays
+from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
 from rollbench.lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
 
@@ -78,13 +78,13 @@ class LinearBearing:
                 f"got mu {self.mu}, mu_balls {self.mu_balls}, speed {self.speed} m/s"
             )
 
-    def hertz(self) -> HertzConstants:
+    def contact_hertz_constants(self) -> HertzConstants:
         """Return the Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
         return _hertz_constants(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def semi_axis_constant(self) -> float:
         """Return the constant Psi [(m2/N)^(1/3)] of the semi-axis a = Psi (R_B F)^(1/3) at a contact load F (Lin 3.36)."""
-        return float(self.hertz().C_a / np.cbrt(self.ball_radius))
+        return float(self.contact_hertz_constants().C_a / np.cbrt(self.ball_radius))
 
 
 @lru_cache(maxsize=64)
@@ -120,7 +120,7 @@ def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Arra
     loads
         Normal forces [N], any shape.
     """
-    constants, root = bearing.hertz(), np.cbrt(loads)
+    constants, root = bearing.contact_hertz_constants(), np.cbrt(loads)
     return np.asarray(constants.C_a * root), np.asarray(constants.C_b * root)
 
 
@@ -251,29 +251,34 @@ def loads_of_elastic_contacts(
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
-def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
+def _elastic_loads_and_angles(
+    bearing: LinearBearing, angles: Array, vertical: float, side_force_ratio: float
+) -> tuple[Array, Array]:
     """Return first the contact loads ``(4,)`` [N], then the contact angles ``(4,)`` [rad] of one ball under load.
 
     ``bearing``: bearing with the Hertz constants of its contacts; ``angles``: contact angles of the unloaded ball ``(4,)``
-    [rad]; ``vertical``: vertical force N_y on the carriage [N]; ``rho``: ratio N_x/N_y of side force to vertical force. The
-    method is described in `loads_of_elastic_contacts`.
+    [rad]; ``vertical``: vertical force N_y on the carriage [N]; ``side_force_ratio``: ratio N_x/N_y of side force to
+    vertical force. The method is described in `loads_of_elastic_contacts`.
     """
     n, slack, C = (
         contact_directions(angles),
         bearing.ball_radius * (2.0 * bearing.conformity - 1.0),
-        float(bearing.hertz().C),
+        float(bearing.contact_hertz_constants().C),
     )
     # the carriage, with contacts 2 and 3, is the inner body of the cell
-    pull, place = vertical * np.array([rho, -1.0]), np.array([rho, -1.0]) * C * vertical ** (2.0 / 3.0)
-    cell = CellArrays(
-        start=np.ascontiguousarray(slack * n[None, TOP_FIRST]),
+    pull, place = (
+        vertical * np.array([side_force_ratio, -1.0]),
+        np.array([side_force_ratio, -1.0]) * C * vertical ** (2.0 / 3.0),
+    )
+    cell = BallContactArrays(
+        groove_to_ball_vectors=np.ascontiguousarray(slack * n[None, TOP_FIRST]),
         interference=np.zeros((1, 4)),
         C=np.full(4, C),
-        section=np.eye(2)[None],
-        offset=np.zeros((1, 2)),
-        push=np.zeros((1, 2)),
-        pull=pull,
-        reach=slack,
+        inner_displacement_maps=np.eye(2)[None],
+        given_inner_displacement=np.zeros((1, 2)),
+        ball_forces=np.zeros((1, 2)),
+        inner_body_forces=pull,
+        groove_ball_centre_distance=slack,
     )
 
     def angles_of(normal: Array) -> Array:
@@ -287,7 +292,8 @@ def _elastic_loads_and_angles(bearing: LinearBearing, angles: Array, vertical: f
     settled = solve_contact_loads(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place, angles_of)
     if not settled.converged:
         raise ArithmeticError(
-            f"no equilibrium of a ball was found: {settled.left:.1e} N are out of balance after {settled.steps} steps"
+            f"no equilibrium of a ball was found: {settled.largest_unbalanced_force:.1e} N are out of balance after "
+            f"{settled.steps} steps"
         )
     return settled.force[0, TOP_FIRST], settled.angle[0]
 
@@ -302,7 +308,7 @@ def elliptic_integral_second_kind(axis_ratio: float) -> float:
     return float(ellipe(1.0 - axis_ratio**2))
 
 
-def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: Array) -> Array:
+def relative_velocity_deviation(contact_angle: float, deviation: Array, bl_tr_load: Array, br_tl_load: Array) -> Array:
     """Return the relative deviation of a ball's velocity from half the carriage's velocity, by Lin's closed formula.
 
     Parameters
@@ -311,7 +317,7 @@ def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Arra
         Nominal contact angle beta_0 [rad].
     deviation
         Deviations Delta beta of the contact angles ``(..., 4)`` [rad].
-    up, down
+    bl_tr_load, br_tl_load
         Contact loads F_U of the diagonal BL, TR and F_D of the diagonal BR, TL ``(...)`` [N].
 
     References
@@ -319,7 +325,7 @@ def relative_velocity_deviation(contact_angle: float, deviation: Array, up: Arra
     Lin (2019), 3.43, with tan beta_0 in place of 1 - cos 2 beta_0.
     """
     bl, br, tr, tl = np.moveaxis(np.asarray(deviation, dtype=float), -1, 0)
-    u, d = np.cbrt(np.square(up)), np.cbrt(np.square(down))
+    u, d = np.cbrt(np.square(bl_tr_load)), np.cbrt(np.square(br_tl_load))
     return np.asarray(0.5 * np.tan(contact_angle) * ((tr - bl) * u + (tl - br) * d) / (u + d))
 
 
@@ -336,8 +342,8 @@ def ball_force_by_formula(bearing: LinearBearing, loads: Array, difference: Arra
         Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities without ball-to-ball contact
         ``(...)``.
     k_f
-        Slope of friction force divided by mu F, per c/a, see `linear_force_factor`; c is the distance of the centre of
-        rotation from the centre of the contact ellipse along its semi-axis a.
+        Slope of friction force divided by mu F, per c/a, see `linear_friction_force_factor`; c is the distance of the
+        centre of rotation from the centre of the contact ellipse along its semi-axis a.
 
     References
     ----------
@@ -376,7 +382,7 @@ def groove_spin_loss(bearing: LinearBearing, loads: Array) -> Array:
     shape, which is that of the result. The spin is v tan(beta_0)/(2 R_B), and the moment 3/8 mu F a E(e) by eq. (3.32)
     of Lin's thesis.
     """
-    constants = bearing.hertz()
+    constants = bearing.contact_hertz_constants()
     spin = 0.5 * abs(bearing.speed) * np.tan(bearing.contact_angle) / bearing.ball_radius
     ellip = elliptic_integral_second_kind(float(constants.C_b / constants.C_a))
     return np.asarray(0.375 * bearing.mu * loads * constants.C_a * np.cbrt(loads) * ellip * spin)

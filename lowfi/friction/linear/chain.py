@@ -11,8 +11,9 @@ mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (
 force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
 other states too): friction between balls makes the very forces that cause it.
 The result then is the end of the path that begins without friction between balls, at the one solution of the convex
-problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.motion.follow_path``).
-Balls that all part without this friction also part with it. `find_second_state` looks for other solutions.
+problem with smoothed friction, and along which that friction rises and smoothing falls
+(``kernel.motion.follow_solution_path``). Balls that all part without this friction also part with it.
+`find_second_equilibrium` looks for other solutions.
 
 Two balls under opposite side forces are the case study of section 3.3.4 of Lin's thesis, by this model and by the formulas.
 """
@@ -25,7 +26,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.laws import cubic_force_factor, linear_force_factor
+from rollbench.lowfi.friction.contact.laws import cubic_friction_force_factor, linear_friction_force_factor
 from rollbench.lowfi.friction.linear.bearing import (
     MOVING,
     LinearBearing,
@@ -43,7 +44,7 @@ from rollbench.lowfi.friction.linear.bearing import (
     relative_velocity_deviation,
 )
 from rollbench.lowfi.friction.linear.kernel import FILLED, WIDTH
-from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainPoint, NewtonArrays
+from rollbench.lowfi.friction.linear.kernel_types import ChainArrays, ChainSearchState, NewtonArrays
 from rollbench.lowfi.jit import LINEAR, load_kernel_package
 from rollbench.meshes.arrays import Array, Mask
 
@@ -99,22 +100,22 @@ class LinearChainSolution:
     #: Friction loss between balls k and k + 1 ``(N-1,)`` [W].
     ball_loss: Array
     #: Force on the carriage along the track that keeps its speed [N].
-    drive: float
+    carriage_drive_force: float
     #: Speed of the carriage [m/s].
-    speed: float
+    carriage_speed: float
     #: Number of Newton steps.
     iterations: int
     #: Largest force out of balance, over the largest friction bound of a ball.
-    residual: float
+    largest_imbalance_ratio: float
     #: Largest speed at which balls that press on each other approach or separate, over the regularising speed; ideally 0.
-    lag: float
+    largest_closing_speed_ratio: float
     #: "converged" if forces are in balance and balls that press on each other stay together, else "not converged".
     status: Status
 
     @property
-    def deviation(self) -> Array:
+    def velocity_deviation(self) -> Array:
         """Deviation of each ball's velocity from half the carriage's velocity, over the latter (Lin 3.42) ``(N,)``."""
-        return np.asarray(2.0 * self.velocity / self.speed - 1.0)
+        return np.asarray(2.0 * self.velocity / self.carriage_speed - 1.0)
 
     @property
     def loss(self) -> float:
@@ -124,7 +125,7 @@ class LinearChainSolution:
     @property
     def power(self) -> float:
         """Input power [W]: force that drives the carriage times its speed."""
-        return self.drive * self.speed
+        return self.carriage_drive_force * self.carriage_speed
 
 
 @dataclass(frozen=True)
@@ -139,16 +140,16 @@ class LinearChain:
     #: Bearing with speed and coefficients of friction.
     bearing: LinearBearing
     #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``scale``.
-    problem: ChainArrays
+    kernel_arrays: ChainArrays
     #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
-    scale: float
+    force_unit: float
     #: Sign of the carriage's speed.
-    sign: float
+    carriage_speed_sign: float
 
     @property
     def count(self) -> int:
         """Number of balls."""
-        return int(self.problem.contacts.shape[0])
+        return int(self.kernel_arrays.contacts.shape[0])
 
 
 def prepare_linear_chain(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> LinearChain:
@@ -210,12 +211,17 @@ def contact_friction_constants(bearing: LinearBearing) -> Array:
     ValueError
         Ratio b/a of the semi-axes below 1e-3.
     """
-    constants = bearing.hertz()
+    constants = bearing.contact_hertz_constants()
     ratio = float(constants.C_b / constants.C_a)
     if not ratio >= NARROWEST:
         raise ValueError(f"the ratio b/a of the contacts' semi-axes must lie in [{NARROWEST}, 1], got {ratio}")
     return np.array(
-        [ratio, 0.375 * elliptic_integral_second_kind(ratio), linear_force_factor(ratio), cubic_force_factor(ratio)]
+        [
+            ratio,
+            0.375 * elliptic_integral_second_kind(ratio),
+            linear_friction_force_factor(ratio),
+            cubic_friction_force_factor(ratio),
+        ]
     )
 
 
@@ -249,14 +255,16 @@ def solve_linear_chain(chain: LinearChain, start: Array | None = None, fast: boo
     """
     point, work = _starting_point_and_work_arrays(chain)
     if start is not None:
-        point.drift[:] = np.asarray(start, dtype=float) - chain.problem.nominal
-    if chain.scale == 0.0 or chain.sign == 0.0:
+        point.motion_less_nominal[:] = np.asarray(start, dtype=float) - chain.kernel_arrays.nominal_motion
+    if chain.force_unit == 0.0 or chain.carriage_speed_sign == 0.0:
         return _solution_in_si_units(chain, point, (0, 0.0), fast)
-    done = load_kernel_package(LINEAR, compiled=fast).chain_motion(chain.problem, point, work, CREEP, TOLERANCE, STEPS)
+    done = load_kernel_package(LINEAR, compiled=fast).solve_motion_of_ball_row(
+        chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS
+    )
     return _solution_in_si_units(chain, point, done, fast)
 
 
-def may_have_several_states(chain: LinearChain) -> bool:
+def may_have_several_equilibria(chain: LinearChain) -> bool:
     """Return whether a row of balls may have several equilibria: neighbours touch, and there is friction between them.
 
     Parameters
@@ -264,10 +272,17 @@ def may_have_several_states(chain: LinearChain) -> bool:
     chain
         Chain of balls under given contact loads.
     """
-    return bool(chain.bearing.mu_balls > 0.0 and chain.problem.closed.any() and chain.scale > 0.0 and chain.sign != 0.0)
+    return bool(
+        chain.bearing.mu_balls > 0.0
+        and chain.kernel_arrays.can_touch_next.any()
+        and chain.force_unit > 0.0
+        and chain.carriage_speed_sign != 0.0
+    )
 
 
-def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool = True) -> LinearChainSolution | None:
+def find_second_equilibrium(
+    chain: LinearChain, known: LinearChainSolution, fast: bool = True
+) -> LinearChainSolution | None:
     """Return an equilibrium of a row of balls other than a known one; None if the search finds none, which is no proof.
 
     The search begins from several states: the end of the path of rising friction between balls, the motion without this
@@ -291,41 +306,41 @@ def find_second_state(chain: LinearChain, known: LinearChainSolution, fast: bool
         """Yield the equilibria to which the searches from all starts lead."""
         for start in range(engine.STARTS):
             point, work = _starting_point_and_work_arrays(chain)
-            done = engine.motion_from_other_start(chain.problem, point, work, CREEP, TOLERANCE, STEPS, start)
+            done = engine.solve_motion_from_other_start(chain.kernel_arrays, point, work, CREEP, TOLERANCE, STEPS, start)
             yield _solution_in_si_units(chain, point, done, fast)
         for mu in (mu for mu in RISEN if mu > chain.bearing.mu_balls):
             point, work = _starting_point_and_work_arrays(chain)
-            at = chain.problem._replace(mu=mu)
-            done = engine.motion_from_other_start(at, point, work, CREEP, TOLERANCE, STEPS, 0)
-            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.z.max() > 0.0:
+            at = chain.kernel_arrays._replace(mu=mu)
+            done = engine.solve_motion_from_other_start(at, point, work, CREEP, TOLERANCE, STEPS, 0)
+            while at.mu > chain.bearing.mu_balls and done[1] <= ACCEPTED and point.ball_to_ball_unknowns.max() > 0.0:
                 at = at._replace(mu=max(at.mu * FALLING, chain.bearing.mu_balls))
                 done = engine.motion_from_state(at, point, work, CREEP, TOLERANCE)
             if at.mu == chain.bearing.mu_balls:
                 yield _solution_in_si_units(chain, point, done, fast)
 
-    if not may_have_several_states(chain):
+    if not may_have_several_equilibria(chain):
         return None
     good = (other for other in states() if other.status == "converged")
-    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.scale]
+    others = [s for s in good if np.abs(s.ball_force - known.ball_force).max() > ANOTHER * chain.force_unit]
     return max(others, key=lambda other: float(other.ball_force.max()), default=None)
 
 
-def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainPoint, NewtonArrays]:
+def _starting_point_and_work_arrays(chain: LinearChain) -> tuple[ChainSearchState, NewtonArrays]:
     """Return the nominal motion without ball-to-ball forces as the start of a search, and Newton's work arrays."""
     count, n = chain.count, 4 * chain.count
-    point = ChainPoint(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
+    point = ChainSearchState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1))
     return point, NewtonArrays(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
 
 
 def _solution_in_si_units(
-    chain: LinearChain, point: ChainPoint, steps_and_residual: tuple[int, float], fast: bool
+    chain: LinearChain, point: ChainSearchState, steps_and_residual: tuple[int, float], fast: bool
 ) -> LinearChainSolution:
     """Return motion, forces and losses of a row of balls in SI units at the ``point`` where a search ended.
 
     ``steps_and_residual``: number of Newton steps of the search, and its largest unbalanced force divided by the
     chain's ``scale``; ``fast``: whether to use compiled kernels.
     """
-    contacts, shape, _, mu_balls, _, nominal = chain.problem
+    contacts, shape, _, mu_balls, _, nominal = chain.kernel_arrays
     slips, pair, drift, push = point
     speed = abs(chain.bearing.speed)
     x = (nominal + drift) * speed
@@ -333,7 +348,7 @@ def _solution_in_si_units(
     law = load_kernel_package(LINEAR, compiled=fast).regularised_friction
     for j, i in np.ndindex(*force.shape):
         force[j, i], moment[j, i], *_ = law(slips[j, i, 0], slips[j, i, 1], shape, CREEP)
-    scale = chain.scale if chain.bearing.mu > 0.0 else 0.0
+    scale = chain.force_unit if chain.bearing.mu > 0.0 else 0.0
     bound = scale * contacts[..., 3]
     rub = np.hypot(pair[:, 1], pair[:, 2])
     bite = np.divide(rub, np.hypot(rub, CREEP))
@@ -353,11 +368,11 @@ def _solution_in_si_units(
         groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
         ball_force=scale * lam,
         ball_loss=mu_balls * scale * lam * bite * rub * speed,
-        drive=float(-(bound * force * MOVING).sum()),
-        speed=chain.bearing.speed,
+        carriage_drive_force=float(-(bound * force * MOVING).sum()),
+        carriage_speed=chain.bearing.speed,
         iterations=iterations,
-        residual=residual,
-        lag=lag,
+        largest_imbalance_ratio=residual,
+        largest_closing_speed_ratio=lag,
         status="converged" if good else "not converged",
     )
 
@@ -370,32 +385,32 @@ class LinearPairSolution:
     """
 
     #: State of the two balls if they are too far apart to touch.
-    free: LinearChainSolution
+    apart: LinearChainSolution
     #: State of the two balls at a distance of one ball diameter, where they press on each other or separate.
     touching: LinearChainSolution
 
     @property
-    def force(self) -> float:
+    def ball_to_ball_force(self) -> float:
         """Ball-to-ball force [N]; zero for balls that part."""
         return float(self.touching.ball_force[0])
 
     @property
-    def difference(self) -> float:
+    def velocity_deviation_difference(self) -> float:
         """Relative velocity deviation of ball 1 less that of ball 2, without contact; if positive, the balls approach."""
-        return float(self.free.deviation[0] - self.free.deviation[1])
+        return float(self.apart.velocity_deviation[0] - self.apart.velocity_deviation[1])
 
     @property
     def friction_increase(self) -> float:
         """Relative increase of the friction losses, and of the drive force, by ball-to-ball contact."""
-        return self.touching.loss / self.free.loss - 1.0
+        return self.touching.loss / self.apart.loss - 1.0
 
     @property
-    def rubbing_ratio(self) -> float:
+    def groove_and_ball_loss_ratio(self) -> float:
         """Ratio of groove loss plus loss between balls to the groove loss (Lin Figure 3.15 (c)).
 
         The groove loss is that without ball-to-ball contact.
         """
-        return 1.0 + float(self.touching.ball_loss[0]) / self.free.loss
+        return 1.0 + float(self.touching.ball_loss[0]) / self.apart.loss
 
 
 def pair_angles_and_loads(
@@ -438,7 +453,7 @@ def pair_angles_and_loads(
     return turned, force
 
 
-def solve_pair(
+def solve_pair_of_linear_balls(
     bearing: LinearBearing,
     theta: float,
     side_force_ratio: float,
@@ -494,31 +509,31 @@ class ModelAndFormula(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PairResultsOverGrid:
+class LinearPairResultsOverGrid:
     """Results for two balls over a grid of T deviations theta and R side force ratios rho (Lin Figures 3.14 and 3.15).
 
     theta is the deviation of the contact angles on the bottom groove, rho the ratio of side force to vertical force.
     """
 
     #: Deviations of the contact angles on the bottom groove ``(T,)`` [rad].
-    theta: Array
+    contact_angle_deviation: Array
     #: Ratios of side force to vertical force ``(R,)``.
-    rho: Array
+    side_force_ratio: Array
     #: Difference epsilon_1 - epsilon_2 of the relative deviations of the balls' velocities from the nominal one, without
     #: ball-to-ball contact.
-    difference: ModelAndFormula
+    velocity_deviation_difference: ModelAndFormula
     #: Ball-to-ball force [N].
     force: ModelAndFormula
     #: Ratio of groove loss plus loss between balls to the groove loss; the groove loss is that without ball-to-ball
     #: contact.
-    ratio: ModelAndFormula
+    groove_and_ball_loss_ratio: ModelAndFormula
     #: Number of states of the numerical model that did not converge.
-    failures: int
+    unconverged_state_count: int
 
 
 def pair_results_over_grid(
     bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float
-) -> PairResultsOverGrid:
+) -> LinearPairResultsOverGrid:
     """Return the results of numerical model and closed formulas for two balls, for T deviations and R side force ratios.
 
     The deviations theta are those of the contact angles on the bottom groove. These are the results in Figures 3.14 and
@@ -540,12 +555,16 @@ def pair_results_over_grid(
     """
     values, failures = np.empty((3, 2, len(theta), len(rho))), 0
     for i, j in np.ndindex(len(theta), len(rho)):
-        result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
-        failures += sum(r.status != "converged" for r in (result.free, result.touching))
-        values[:, 0, i, j] = result.difference, result.force, result.rubbing_ratio
+        result = solve_pair_of_linear_balls(bearing, float(theta[i]), float(rho[j]), vertical)
+        failures += sum(r.status != "converged" for r in (result.apart, result.touching))
+        values[:, 0, i, j] = (
+            result.velocity_deviation_difference,
+            result.ball_to_ball_force,
+            result.groove_and_ball_loss_ratio,
+        )
         values[:, 1, i, j] = pair_results_by_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)
     difference, force, ratio = (ModelAndFormula(*both) for both in values)
-    return PairResultsOverGrid(theta, rho, difference, force, ratio, failures)
+    return LinearPairResultsOverGrid(theta, rho, difference, force, ratio, failures)
 
 
 def pair_results_by_formulas(

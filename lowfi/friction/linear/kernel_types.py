@@ -2,7 +2,7 @@
 
 There are N balls in a chain with C contacts each. Velocities are divided by the carriage's speed, forces by the largest
 friction bound of a ball. The unknowns of a ball are its motion x = (v, R omega_x, R omega_y), with the ball radius R,
-and one for its contact with the next ball (z of ``ChainPoint``).
+and one for its contact with the next ball (z of ``ChainSearchState``).
 """
 
 from typing import Any, NamedTuple
@@ -20,58 +20,58 @@ class ChainArrays(NamedTuple):
     #: the sign of the speed), friction bound, semi-axis a over the ball's radius; (N, C, 5).
     contacts: Array
     #: Constants (b/a, q0, k1, k3) of the friction of the contacts (4,), see `contact_friction_constants`.
-    shape: Array
+    friction_constants: Array
     #: 1 where balls k and k + 1 are near enough to touch, else 0 (N - 1,).
-    closed: Array
+    can_touch_next: Array
     #: Coefficient of friction from ball to ball.
     mu: float
     #: Stiffness of weak springs that draw the balls to the nominal motion (N,).
-    hold: Array
+    holding_stiffness: Array
     #: Motion x of balls that roll at the nominal contact angle (N, 3).
-    nominal: Array
+    nominal_motion: Array
 
 
-class ChainPoint(NamedTuple):
+class ChainSearchState(NamedTuple):
     """Motion of N balls in a linear bearing during a search, sliding at their contacts, and forces between neighbours.
 
     All values are changed by increments, so that no accuracy is lost where contacts stick.
     """
 
     #: For each contact: sliding speed along the track, and semi-axis a times spin (N, C, 2).
-    slip: Array
+    groove_contact_slips: Array
     #: For balls k and k + 1: speed at which they approach each other, and two components of their sliding on each other (N
     #: - 1, 3).
-    pair: Array
+    ball_to_ball_slips: Array
     #: Motion x of the balls less the nominal motion (N, 3).
-    drift: Array
+    motion_less_nominal: Array
     #: Unknown z of each ball-to-ball contact: the force where it is positive, minus the rate at which the gap opens where
     #: it is negative (N - 1,).
-    z: Array
+    ball_to_ball_unknowns: Array
 
 
-class Smoothing(NamedTuple):
+class EquationSmoothing(NamedTuple):
     """Parameters by which the equations are smoothed: Coulomb friction, and the contact condition of neighbours."""
 
     #: Regularising speed of friction: at lower sliding speeds a contact exerts less than its friction bound.
-    eps: float
+    regularising_speed: float
     #: Fraction of the friction between balls that acts, 0 to 1.
-    share: float
+    ball_friction_fraction: float
     #: Product of ball-to-ball force and opening rate of the gap; zero for exact complementarity.
-    smooth: float
+    force_rate_product: float
     #: Stiffness of springs that draw the balls to nominal rolling, in addition to ``hold`` of ``ChainArrays``.
-    spring: float
+    spring_stiffness: float
 
 
 class NewtonArrays(NamedTuple):
     """Work arrays for Newton's method on a row of N balls with four unknowns each."""
 
     #: Jacobian of the equations as a band (4 N, 11).
-    K: Array
+    jacobian_band: Array
     #: Factors of the Jacobian, with columns for exchanged rows (4 N, 16).
     factors: Array
     #: Residual of the equations (4 N,).
-    g: Array
+    residual: Array
     #: Newton step of the unknowns (4 N,).
     step: Array
     #: Second right-hand side of the linear system, which is solved together with the step (4 N,).
-    other: Array
+    second_right_hand_side: Array

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution, zero_cell_state
+from rollbench.lowfi.friction.contact.equilibrium import ContactLoadSolution, zero_contact_state_arrays
 from rollbench.lowfi.friction.screw.groove import (
     GroovesInMotion,
     ScrewGroove,
@@ -28,11 +28,16 @@ from rollbench.lowfi.friction.screw.groove import (
     nut_speed_along_path,
     surface_speed_levers,
 )
-from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, JointSystem, JointUnknowns
+from rollbench.lowfi.friction.screw.kernel_types import (
+    BalanceResiduals,
+    BallArrays,
+    LoadsAndMotionSystem,
+    LoadsAndMotionUnknowns,
+)
 from rollbench.lowfi.friction.screw.motion import (
     AGREED,
     ROUNDS,
-    AndersonMixer,
+    AndersonAcceleration,
     BallsBetweenGrooves,
     Coupling,
     contact_ellipses_of_screw,
@@ -82,13 +87,13 @@ class FrictionContacts:
     """
 
     #: Semi-axes a >= b [m] and friction bound mu F [N] (coefficient of friction times load) of each contact, ``(N, 4, 3)``.
-    shape: Array
+    semi_axes_and_bound: Array
     #: Sliding vx, vz [m/s] and spin [rad/s] at each contact per unit of the ball's motion (orbit and three spins [rad/s]),
     #: ``(N, 4, 3, 4)``.
-    maps: Array
+    contact_motion_maps: Array
     #: Sliding vx, vz [m/s] and spin [rad/s] at each contact while the ball is at rest and screw and nut move, ``(N, 4,
     #: 3)``.
-    drives: Array
+    imposed_contact_motions: Array
 
 
 @dataclass(frozen=True)
@@ -107,7 +112,7 @@ class BallChain(ABC):
     normals: Array
     #: Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch; the last element
     #: is for the last ball against the first one of a closed track.
-    slack: Array
+    allowed_closing_rate: Array
 
     @property
     @abstractmethod
@@ -137,7 +142,7 @@ class BallChain(ABC):
 
 
 @dataclass(frozen=True)
-class Chain(BallChain):
+class ScrewBallChain(BallChain):
     """Balls of equal size in the grooves of one screw and nut, in the order of azimuth, with their contact loads."""
 
     #: Grooves of screw and nut with their speeds.
@@ -147,14 +152,14 @@ class Chain(BallChain):
     def friction_contacts(self) -> FrictionContacts:
         """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
         at = contact_ellipses_of_screw(self.groove, self.force)
-        maps, drives = self.groove.maps(self.normals)
-        shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
+        maps, drives = self.groove.contact_kinematics(self.normals)
+        shape = np.stack([at.a, at.b, at.friction_bound], axis=1).reshape(-1, 4, 3)
         return FrictionContacts(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
 
     @property
     def mu_balls(self) -> float:
         """Coefficient of friction between touching balls."""
-        return self.groove.between
+        return self.groove.ball_to_ball_mu
 
     def input_power(self, wrench: Array) -> float:
         """Return the power [W] that the motions of screw and nut supply against friction.
@@ -177,11 +182,11 @@ class ChainMotion:
     wrench: Array
     #: Motion of the ball relative to the groove at each contact: sliding along x and z [m/s], spin about y [rad/s] ``(N, 4,
     #: 3)``.
-    seen: Array
+    contact_motions: Array
     #: Friction on the balls in the axes of each contact: force along x and z [N], moment about y [N m] ``(N, 4, 3)``.
-    pull: Array
+    contact_friction: Array
     #: Sum of the forces from neighbours on each ball, friction included, in x3, y3, z3 ``(N, 3)`` [N].
-    ball_push: Array
+    neighbour_forces: Array
     #: Friction loss at each contact with the grooves ``(N, 4)`` [W].
     groove_loss: Array
     #: Power lost where balls k and k + 1 slide on each other ``(N,)`` [W].
@@ -191,30 +196,30 @@ class ChainMotion:
     #: Power that screw and nut put in [W].
     input_power: float
     #: Largest force out of balance [N].
-    left: float
+    largest_unbalanced_force: float
     #: Largest rate [rad/s] by which a ball approaches the next one faster than their gap allows; 0 if none does.
-    violation: float
+    largest_gap_violation: float
     #: Number of Newton steps.
     steps: int
     #: Whether the forces on all balls are in balance.
     converged: bool
     #: Whether the search from the start that the caller gave found the solution.
-    from_start: bool = False
+    found_from_given_start: bool = False
 
     @property
-    def losses(self) -> tuple[float, float, float]:
+    def losses_by_cause(self) -> tuple[float, float, float]:
         """Power lost in the grooves, between balls that slide on each other, and by gaps that close under force [W]."""
         return float(self.groove_loss.sum()), float(self.ball_loss.sum()), float(self.closing_loss.sum())
 
     @property
     def loss(self) -> float:
         """Power lost by all friction of the balls [W]."""
-        return sum(self.losses)
+        return sum(self.losses_by_cause)
 
 
-def zero_balance_arrays(count: int) -> BalanceParts:
+def zero_balance_arrays(count: int) -> BalanceResiduals:
     """Return zero arrays for ``count`` balls, to which kernels write unbalanced forces and their derivatives."""
-    return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
+    return BalanceResiduals(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
 class BalanceSearch:
@@ -239,26 +244,26 @@ class BalanceSearch:
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = load_kernel_package(SCREW, compiled=fast)
         self.units, self.speed, self.groove = surface_speed_levers(g), nut_speed_along_path(g), kernel_groove_arrays(g)
-        shape = contacts.shape
+        shape = contacts.semi_axes_and_bound
         self.rubbing = bool(np.any(shape[..., 2] > 0.0))
         if not self.rubbing:
             shape = np.concatenate([shape[..., :2], chain.force[..., None]], axis=-1)
         self.bound = max(float(shape[..., 2].sum(axis=1).max()), 1e-30)
-        self.allowed = np.isfinite(chain.slack)
-        slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
+        self.allowed = np.isfinite(chain.allowed_closing_rate)
+        slack = np.where(self.allowed, chain.allowed_closing_rate, 0.0) * g.pair.closing_speed_factor / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
         ones = np.ones(self.count)
         self.balls = BallArrays(
             force=contiguous_floats(np.where(loaded[:, None], chain.force, 0.0)),
             normal=contiguous_floats(chain.normals[..., [0, 2]]),
-            hold=np.where(loaded, HOLD, HOLD_IDLE),
-            slack=slack,
-            allowed=self.allowed.astype(float),
+            holding_stiffness=np.where(loaded, HOLD, HOLD_IDLE),
+            allowed_closing_rate=slack,
+            can_touch_next=self.allowed.astype(float),
             mu=self.mu,
-            strength=(g.mu or 1.0) / self.bound,
-            shape=contiguous_floats(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
-            maps=contiguous_floats(contacts.maps / self.units),
-            drives=contiguous_floats(contacts.drives / self.speed),
+            scaled_groove_mu=(g.mu or 1.0) / self.bound,
+            semi_axes_and_bound=contiguous_floats(shape * np.stack([ones, ones, loaded / self.bound], axis=1)[:, None]),
+            contact_motion_maps=contiguous_floats(contacts.contact_motion_maps / self.units),
+            imposed_contact_motions=contiguous_floats(contacts.imposed_contact_motions / self.speed),
         )
         self.parts = zero_balance_arrays(self.count)
 
@@ -280,7 +285,9 @@ class BalanceSearch:
         of the unbalanced forces) and the number of steps.
         """
         x, f = contiguous_floats(x).copy(), contiguous_floats(f).copy()
-        size, steps = self.kernels.solve_balance(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
+        size, steps = self.kernels.solve_force_balance_of_balls(
+            self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts
+        )
         return x, f, float(size), int(steps)
 
     def is_converged(self, f: Array) -> bool:
@@ -380,9 +387,9 @@ def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_s
     """
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good, bound = s.is_converged(f), s.bound if s.rubbing else 0.0
-    left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
+    left, pair = float(np.max(np.abs(s.parts.unbalanced_forces))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
-    gap = np.where(s.allowed, s.groove.closing * (ahead - x[:, 0]) + s.balls.slack, 0.0)
+    gap = np.where(s.allowed, s.groove.closing_rate_factor * (ahead - x[:, 0]) + s.balls.allowed_closing_rate, 0.0)
     ball_force = bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
     motion, pull, loss, push, ball_loss = (
         np.empty((n, 4, 3)),
@@ -393,23 +400,25 @@ def _motion_in_si_units(s: BalanceSearch, x: Array, f: Array, steps: int, from_s
     )
     s.kernels.contact_friction(s.balls, x, eps, motion, pull, loss)
     wrench = chain.wrench(bound * pull)
-    s.kernels.neighbour_forces(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
+    s.kernels.neighbour_forces(
+        s.groove, s.balls, x, ball_force, eps, pair.force_directions, pair.tangent_directions, push, ball_loss
+    )
     return ChainMotion(
         q=x * s.speed / s.units,
         ball_force=ball_force,
         wrench=wrench,
-        seen=s.speed * motion,
-        pull=bound * pull,
-        ball_push=push,
+        contact_motions=s.speed * motion,
+        contact_friction=bound * pull,
+        neighbour_forces=push,
         groove_loss=bound * s.speed * loss,
         ball_loss=ball_loss,
-        closing_loss=ball_force * pair.closing * s.speed / g.radius * (x[:, 0] - ahead),
+        closing_loss=ball_force * pair.closing_speed_factor * s.speed / g.radius * (x[:, 0] - ahead),
         input_power=chain.input_power(wrench),
-        left=left,
-        violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
+        largest_unbalanced_force=left,
+        largest_gap_violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing_speed_factor,
         steps=steps,
         converged=good,
-        from_start=from_start,
+        found_from_given_start=from_start,
     )
 
 
@@ -432,24 +441,24 @@ FIRST, SHORTEST = 1.0 / 32.0, 1e-5
 
 
 @dataclass(frozen=True)
-class JointSolution:
+class LoadsAndMotionSolution:
     """Positions, motions and forces of N balls and the screw, with contact loads and friction solved as one system."""
 
     #: Displacements of the balls along x3, z3 ``(N, 2)`` [m].
-    ball: Array
+    ball_displacements: Array
     #: Displacement of the screw along each of the m motions in which it is free ``(m,)`` [m].
-    screw: Array
+    screw_displacements: Array
     #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
     #: Forces of friction and neighbours on the balls that their contact loads balance ``(N, 2)`` [N], field ``push`` of
     #: `BallsBetweenGrooves`.
-    push: Array
+    ball_friction_forces: Array
     #: Forces of friction on the screw that the contact loads balance ``(m,)`` [N], field ``drag`` of `BallsBetweenGrooves`.
-    drag: Array
+    screw_friction_forces: Array
     #: Whether the search arrived at the full friction; if not, this is the state in which it ended.
-    done: bool
+    reached_full_friction: bool
     #: Number of Newton steps.
     steps: int
 
@@ -460,7 +469,7 @@ def solve_loads_and_motion(
     start: tuple[Array, Array],
     similar_start: tuple[Array, Array] | None = None,
     fast: bool = True,
-) -> JointSolution:
+) -> LoadsAndMotionSolution:
     """Return contact loads and motion of balls with friction, solved as one system of equations.
 
     The search begins at positions in balance without friction and raises friction step by step. Where several states
@@ -482,47 +491,51 @@ def solve_loads_and_motion(
     fast
         Whether to use compiled kernels.
     """
-    bare = replace(cell, push=np.zeros_like(cell.push), drag=np.zeros_like(cell.drag))
+    bare = replace(
+        cell,
+        ball_friction_forces=np.zeros_like(cell.ball_friction_forces),
+        screw_friction_forces=np.zeros_like(cell.screw_friction_forces),
+    )
     sharp, steps = float(np.log(SPEEDS[-1])), 0
     ways = [(start, eps, 0.0) for eps in SMOOTH]
     if similar_start is not None:
         ways += [(similar_start, eps, 1.0) for eps in reversed(SMOOTH)]
     for place, eps, share in ways:
-        path, smooth = _JointPath(bare, slack, place, fast), float(np.log(eps))
+        path, smooth = _LoadsAndMotionPath(bare, slack, place, fast), float(np.log(eps))
         done = share == 1.0 or path.follow_solution((share, smooth), (1.0, smooth))
         done = done and path.follow_solution((1.0, smooth), (1.0, sharp))
         steps += path.steps
         if done:
             break
-    push, drag = path.state.ball, path.state.inner
-    return JointSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
+    push, drag = path.state.ball_unbalanced_forces, path.state.inner_unbalanced_forces
+    return LoadsAndMotionSolution(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> JointSystem:
+def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> LoadsAndMotionSystem:
     """Return the data with which kernels solve contact loads and motion of balls as one system of equations.
 
     ``cell``: balls between screw and nut; ``search``: arrays of the chain of these balls, scaled at the present contact
     loads.
     """
     pair, total = cell.groove.pair, float(search.balls.force.sum())
-    length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
-    return JointSystem(
+    length = float(np.max(cell.groove.contact_hertz_constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
+    return LoadsAndMotionSystem(
         cell=kernel_load_arrays(cell),
         groove=search.groove,
         balls=search.balls,
-        unit=search.bound,
-        length=length,
-        push=contiguous_floats(pair.push[:, [0, 2]]),
-        slide=contiguous_floats(pair.slide[..., [0, 2]]),
-        rows=contiguous_floats(cell.rows),
+        force_unit=search.bound,
+        position_unit=length,
+        ball_force_directions=contiguous_floats(pair.force_directions[:, [0, 2]]),
+        tangent_directions=contiguous_floats(pair.tangent_directions[..., [0, 2]]),
+        screw_displacement_maps=contiguous_floats(cell.screw_displacement_maps),
     )
 
 
-class _JointPath:
+class _LoadsAndMotionPath:
     """Solution of contact loads and ball motion as one system, followed while friction rises or its regularisation fades.
 
     `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
-    `JointSolution`.
+    `LoadsAndMotionSolution`.
     """
 
     def __init__(self, cell: BallsBetweenGrooves, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
@@ -541,11 +554,11 @@ class _JointPath:
     def update_loads(self) -> None:
         """Compute the contact loads at the present positions, and from them the scales and which balls count as loaded."""
         g, arrays = self.cell.groove, kernel_load_arrays(self.cell)
-        self.state = zero_cell_state(arrays)
+        self.state = zero_contact_state_arrays(arrays)
         load_kernel_package(CONTACT, compiled=self.fast).contact_energy(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
-        self.search = BalanceSearch(Chain(g, self.state.force, normals, self.slack), self.fast)
+        self.search = BalanceSearch(ScrewBallChain(g, self.state.force, normals, self.slack), self.fast)
         self.system = joint_kernel_arguments(self.cell, self.search)
 
     def follow_solution(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
@@ -556,13 +569,13 @@ class _JointPath:
         the path.
         """
         way, step = 0.0, FIRST
-        last: tuple[float, JointUnknowns] | None = None
+        last: tuple[float, LoadsAndMotionUnknowns] | None = None
         while way < 1.0 and step >= SHORTEST and self.steps < MOST:
             goal, here = min(1.0, way + step), self.unknowns()
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
-                guess = JointUnknowns(p, u, x, f)
+                guess = LoadsAndMotionUnknowns(p, u, x, f)
             share, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
             used = self.solve_stage(guess, float(share), float(eps))
             if used is None:
@@ -572,15 +585,17 @@ class _JointPath:
             step *= 1.5 if used <= EASY else 1.0
         return way >= 1.0
 
-    def unknowns(self) -> JointUnknowns:
+    def unknowns(self) -> LoadsAndMotionUnknowns:
         """Return the present displacements [m], scaled ball motions and ball-to-ball forces [N].
 
         Motions are surface speeds divided by the nut's speed along the path. The forces are not scaled, because the
         unit of force of the kernels changes with the contact loads.
         """
-        return JointUnknowns(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
+        return LoadsAndMotionUnknowns(
+            self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force
+        )
 
-    def solve_stage(self, guess: JointUnknowns, share: float, eps: float) -> int | None:
+    def solve_stage(self, guess: LoadsAndMotionUnknowns, share: float, eps: float) -> int | None:
         """Solve contact loads and motion by Newton's method for one fraction and one regularising speed of friction.
 
         ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on
@@ -591,7 +606,9 @@ class _JointPath:
         s = self.search
         p, u, x, f = (contiguous_floats(a).copy() for a in guess)
         f /= s.bound
-        left, used = s.kernels.newton_joint(self.system, JointUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS)
+        left, used = s.kernels.solve_loads_and_motion_by_newton(
+            self.system, LoadsAndMotionUnknowns(p, u, x, f), share, eps, COUPLED_GOAL, COUPLED_STEPS
+        )
         self.steps += int(used)
         if not left <= PASSED:
             return None
@@ -605,13 +622,13 @@ class CoupledChainSolution:
     """Contact loads and motion of the balls of a track, with the loads in balance with the friction of this motion."""
 
     #: Contact loads without friction. If friction may not move the screw, it stays in its position in this state.
-    bare: ContactLoadSolution
+    loads_without_friction: ContactLoadSolution
     #: Contact loads with friction.
-    load: ContactLoadSolution
+    loads_with_friction: ContactLoadSolution
     #: Motion, friction and ball-to-ball forces.
     motion: ChainMotion
     #: Largest change, in the last round, of a friction force that acts on the contact loads [N].
-    change: float
+    last_friction_change: float
     #: Number of rounds in which contact loads and friction were solved in turn.
     rounds: int
     #: Whether ``change`` is at most ``AGREED`` times the sum of contact loads, and loads and motion are in balance.
@@ -623,12 +640,12 @@ class IterationStart:
     """Friction forces and motions of N balls from which the iteration of contact loads and friction begins."""
 
     #: Forces of friction and neighbours on the balls along x3, z3 ``(N, 2)`` [N].
-    push: Array
+    ball_friction_forces: Array
     #: Forces of friction on the screw along each of the m motions in which it is free ``(m,)`` [N]; not used where friction
     #: does not move the screw.
-    drag: Array
+    screw_friction_forces: Array
     #: Motions of the balls: orbit and rotations about x3, y3, z3 ``(N, 4)`` [rad/s].
-    q: Array
+    ball_motions: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
 
@@ -669,36 +686,63 @@ def solve_coupled_chain(
         The solution; if no agreement is found, its ``converged`` is False.
     """
     bare = solve_screw_contact_loads(
-        cell, None if similar_solution is None else (similar_solution.bare.ball, similar_solution.bare.inner)
+        cell,
+        None
+        if similar_solution is None
+        else (
+            similar_solution.loads_without_friction.ball_displacements,
+            similar_solution.loads_without_friction.inner_body_displacements,
+        ),
     )
     held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
-    m = held.rows.shape[2]
+    m = held.screw_displacement_maps.shape[2]
     if guess is None:
         guess = _starting_forces_and_motion(held, coupling, similar_solution)
-    push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
-    place, mixer, count = (bare.ball, bare.inner[:m]), AndersonMixer(), 0
+    push, drag, start = guess.ball_friction_forces, guess.screw_friction_forces[:m], (guess.ball_motions, guess.ball_force)
+    place, mixer, count = (bare.ball_displacements, bare.inner_body_displacements[:m]), AndersonAcceleration(), 0
     while True:
-        alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
-        load = bare if alike else solve_screw_contact_loads(replace(held, push=push, drag=drag), place)
-        moved = solve_motion_of_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
-        new_push, new_drag = friction_on_balls_and_screw(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
+        alike = (
+            held is cell
+            and np.array_equal(push, cell.ball_friction_forces)
+            and np.array_equal(drag, cell.screw_friction_forces)
+        )
+        load = (
+            bare
+            if alike
+            else solve_screw_contact_loads(replace(held, ball_friction_forces=push, screw_friction_forces=drag), place)
+        )
+        moved = solve_motion_of_chain(
+            ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start
+        )
+        new_push, new_drag = friction_on_balls_and_screw(held, moved.wrench, moved.neighbour_forces[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)
         change, count = float(np.max(np.abs(g - x))), count + 1
         agreed = change <= AGREED * float(np.sum(load.force))
         if agreed or count == rounds:
             return CoupledChainSolution(bare, load, moved, change, count, agreed and load.converged and moved.converged)
         if count == PATIENCE:
-            like = None if similar_solution is None else (similar_solution.load.ball, similar_solution.load.inner)
-            joint = solve_loads_and_motion(held, slack, (bare.ball, bare.inner[:m]), like)
-            if joint.done:
-                push, drag, place = joint.push, joint.drag, (joint.ball, joint.screw)
+            like = (
+                None
+                if similar_solution is None
+                else (
+                    similar_solution.loads_with_friction.ball_displacements,
+                    similar_solution.loads_with_friction.inner_body_displacements,
+                )
+            )
+            joint = solve_loads_and_motion(held, slack, (bare.ball_displacements, bare.inner_body_displacements[:m]), like)
+            if joint.reached_full_friction:
+                push, drag, place = (
+                    joint.ball_friction_forces,
+                    joint.screw_friction_forces,
+                    (joint.ball_displacements, joint.screw_displacements),
+                )
                 start = (joint.q, joint.ball_force)
                 continue
         x = mixer.next_iterate(x, g)
         push, drag = x[: push.size].reshape(push.shape), x[push.size :]
         # no friction on a ball without load: what the mixer makes of it would push the ball about
         push = np.where(np.any(moved.wrench != 0.0, axis=(1, 2))[:, None], push, new_push)
-        place, start = (load.ball, load.inner), (moved.q, moved.ball_force)
+        place, start = (load.ball_displacements, load.inner_body_displacements), (moved.q, moved.ball_force)
 
 
 def _starting_forces_and_motion(
@@ -712,8 +756,10 @@ def _starting_forces_and_motion(
     """
     n = cell.angle.shape[0]
     if near is None:
-        return IterationStart(cell.push, cell.drag, np.zeros((n, 4)), np.zeros(n))
-    push, drag = cell.push, cell.drag
+        return IterationStart(cell.ball_friction_forces, cell.screw_friction_forces, np.zeros((n, 4)), np.zeros(n))
+    push, drag = cell.ball_friction_forces, cell.screw_friction_forces
     if coupling != "none":
-        push, drag = friction_on_balls_and_screw(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
+        push, drag = friction_on_balls_and_screw(
+            cell, near.motion.wrench, near.motion.neighbour_forces[:, [0, 2]], coupling
+        )
     return IterationStart(push, drag, near.motion.q, near.motion.ball_force)

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays
-from rollbench.lowfi.hertz import contact_modulus, printed_hertz
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
@@ -67,7 +67,7 @@ class HelicalMotion:
         return float(np.arctan2(self.ratio, self.pitch_radius))
 
     @property
-    def axis(self) -> Array:
+    def screw_axis_direction(self) -> Array:
         """Unit vector along the screw's axis in a ball's axes x3 (radial), y3 (along the track), z3 (binormal) ``(3,)``."""
         return np.array([0.0, np.sin(self.lead_angle), np.cos(self.lead_angle)])
 
@@ -93,7 +93,7 @@ class HelicalMotion:
         beta = np.asarray(angle, dtype=float)
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
-    def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
+    def contact_kinematics(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
         """Return the linear relation between the motion of a ball and the sliding and spin at its four contacts.
 
         The motion at a contact is the sliding vx, vz [m/s] and the spin [rad/s] of the ball relative to screw or nut,
@@ -123,22 +123,22 @@ class HelicalMotion:
         slide = size * np.einsum("jik,...k->...ij", self.cross_product_matrices, normals)
         slide[..., 1, 0] += self.radius
         maps = np.matmul(axes, slide)
-        maps[..., 2, :] = -normals @ self.turns.T
+        maps[..., 2, :] = -normals @ self.ball_rotation_axes.T
         body = np.where(ON_SCREW, self.screw_speed, self.nut_speed)
         return maps, -body[:, None] * maps[..., 0]
 
     @cached_property
-    def turns(self) -> Array:
+    def ball_rotation_axes(self) -> Array:
         """Axes of a ball's four rotations (orbit about the screw's axis, three spins), unit vectors ``(4, 3)``.
 
         Components are those along x3 (radial), y3 (along the track), z3 (binormal).
         """
-        return np.concatenate([self.axis[None, :], np.eye(3)])
+        return np.concatenate([self.screw_axis_direction[None, :], np.eye(3)])
 
     @cached_property
     def cross_product_matrices(self) -> Array:
         """Matrices that form the cross product of each axis in ``turns`` with a vector by multiplication ``(4, 3, 3)``."""
-        return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
+        return np.array([np.cross(t, np.eye(3)).T for t in self.ball_rotation_axes])
 
 
 def contact_axes(normals: Array) -> Array:
@@ -174,13 +174,13 @@ class GroovesInMotion(HelicalMotion, ABC):
 
     @property
     @abstractmethod
-    def constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> GrooveHertzConstants:
         """Hertz constants of the contacts of a nominal ball at the nominal contact angle."""
 
     @cached_property
-    def pair(self) -> PairGeometry:
+    def pair(self) -> TouchingBallsGeometry:
         """Geometry of the contact of two nominal balls that touch."""
-        return pair_geometry(self)
+        return touching_balls_geometry(self)
 
 
 @register_frozen_defaults
@@ -233,17 +233,17 @@ class ScrewGroove(GroovesInMotion):
             )
 
     @property
-    def between(self) -> float:
+    def ball_to_ball_mu(self) -> float:
         """Coefficient of friction from ball to ball."""
         return self.mu if self.mu_balls is None else self.mu_balls
 
     @property
-    def reach(self) -> float:
+    def groove_ball_centre_distance(self) -> float:
         """Groove radius less ball radius: the distance of the centres of ball and groove arc where both just touch [m]."""
         return self.groove_radius - self.ball_radius
 
     @cached_property
-    def constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> GrooveHertzConstants:
         """Hertz constants at the nominal contact angle, from the exact helicoids or with the errors of Lin's Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
@@ -255,19 +255,19 @@ class ScrewGroove(GroovesInMotion):
             Balls(self.ball_radius, steel, (0.0,)),
         )
         if self.hertz == "right":
-            h = error_free_hertz(scene)
+            h = hertz_without_errors(scene)
             return GrooveHertzConstants(h.C, h.C_a, h.C_b)
-        drawn = draw_specimen(scene, ball_layout(scene))
+        drawn = draw_geometry_with_errors(scene, ball_layout(scene))
         modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
         angle = np.full(1, self.contact_angle)
         radii = [printed_principal_radii(scene, drawn, side, angle)[0] for side in (0, 3)]
-        two = [printed_hertz(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
+        two = [hertz_constants_as_printed(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
         table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
         return GrooveHertzConstants(*table.T)
 
 
 @dataclass(frozen=True)
-class PairGeometry:
+class TouchingBallsGeometry:
     """Geometry of the contact of two neighbouring balls that touch; the second ball is the one at the larger azimuth.
 
     Vectors are in the axes x3 (radial), y3 (along the track), z3 (binormal) of the ball to which they belong.
@@ -276,16 +276,16 @@ class PairGeometry:
     #: Difference of their azimuths [rad].
     spacing: float
     #: Speed at which the balls approach each other per difference of their orbital speeds omega_B [m].
-    closing: float
+    closing_speed_factor: float
     #: Velocity of the first ball's surface along two tangents of the contact, per unit of its motion (orbit and three
     #: spins) ``(2, 4)`` [m].
-    first: Array
+    first_ball_surface_speeds: Array
     #: Velocity of the second ball's surface along the same tangents, per unit of its motion ``(2, 4)`` [m].
-    second: Array
+    second_ball_surface_speeds: Array
     #: Direction of the contact force on the first and on the second ball ``(2, 3)``.
-    push: Array
+    force_directions: Array
     #: Directions of the two tangents in the axes of the first and of the second ball ``(2, 2, 3)``.
-    slide: Array
+    tangent_directions: Array
 
 
 def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
@@ -335,7 +335,7 @@ def section_axes(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
     return np.moveaxis(rows, (0, 1), (-2, -1))
 
 
-def pair_geometry(screw: HelicalMotion) -> PairGeometry:
+def touching_balls_geometry(screw: HelicalMotion) -> TouchingBallsGeometry:
     """Return the geometry of the contact of two balls of nominal size that touch, on the exact helix.
 
     Parameters
@@ -364,13 +364,13 @@ def pair_geometry(screw: HelicalMotion) -> PairGeometry:
         move = np.cross(turns, sign * screw.ball_radius * line)
         move[0] += screw.radius * f[1]
         sliding.append(tangents @ move.T)
-    return PairGeometry(
+    return TouchingBallsGeometry(
         spacing=spacing,
-        closing=float(screw.radius * line @ frames[0][1]),
-        first=sliding[0],
-        second=sliding[1],
-        push=np.stack([-(frames[0] @ line), frames[1] @ line]),
-        slide=np.stack([tangents @ frames[0].T, tangents @ frames[1].T]),
+        closing_speed_factor=float(screw.radius * line @ frames[0][1]),
+        first_ball_surface_speeds=sliding[0],
+        second_ball_surface_speeds=sliding[1],
+        force_directions=np.stack([-(frames[0] @ line), frames[1] @ line]),
+        tangent_directions=np.stack([tangents @ frames[0].T, tangents @ frames[1].T]),
     )
 
 
@@ -381,18 +381,32 @@ def kernel_groove_arrays(groove: GroovesInMotion) -> GrooveArrays:
     In these arrays the motions of a ball are surface speeds divided by the speed of the nut along the path. ``groove``:
     the grooves with the speeds of screw and nut.
     """
-    unit, speed, pair, h = surface_speed_levers(groove), nut_speed_along_path(groove), groove.pair, groove.constants
+    unit, speed, pair, h = (
+        surface_speed_levers(groove),
+        nut_speed_along_path(groove),
+        groove.pair,
+        groove.contact_hertz_constants,
+    )
     scale = speed / unit
     ends = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    at = groove.maps(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
+    at = groove.contact_kinematics(np.repeat(ends[:, None, :], 4, axis=1))[0][:, 0] * scale
     middle = 0.5 * (at[0] + at[1])  # maps are affine in the normal, so that three directions tell them
     affine = np.stack([middle, at[0] - middle, at[2] - middle])
     ride = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed) / scale[0]
     nominal = np.array([groove.nominal_orbit, 0.0, 0.0, 0.0]) / scale
     affine, ride, C_a, C_b, nominal, first, second = map(
-        contiguous_floats, (affine, ride, h.C_a, h.C_b, nominal, pair.first / unit, pair.second / unit)
+        contiguous_floats,
+        (
+            affine,
+            ride,
+            h.C_a,
+            h.C_b,
+            nominal,
+            pair.first_ball_surface_speeds / unit,
+            pair.second_ball_surface_speeds / unit,
+        ),
     )
-    closing = float(pair.closing / groove.radius)
+    closing = float(pair.closing_speed_factor / groove.radius)
     return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
 
 

@@ -18,14 +18,14 @@ import numpy as np
 
 from rollbench.lowfi.friction.contact.equilibrium import (
     BodyMotion,
+    BodyMotionProblem,
     ContactLoadSolution,
-    MotionProblem,
     least_dissipation,
     motion_by_root,
     solve_contact_loads,
 )
-from rollbench.lowfi.friction.contact.kernel_types import CellArrays
-from rollbench.lowfi.friction.contact.laws import Contacts, FrictionLaw, Sigmoid, contacts_from_values
+from rollbench.lowfi.friction.contact.kernel_types import BallContactArrays
+from rollbench.lowfi.friction.contact.laws import EllipticalContacts, FrictionLaw, SigmoidLaw, contacts_from_values
 from rollbench.lowfi.friction.screw.groove import (
     ON_SCREW,
     SIGN_X,
@@ -66,38 +66,42 @@ class BallsBetweenGrooves:
     #: Interference of ball and groove at each contact before any displacement, negative for clearance ``(N, 4)`` [m].
     interference: Array
     #: Displacement of the screw along x3, y3, z3 at each ball per unit of each motion u ``(N, 3, m)``.
-    rows: Array
+    screw_displacement_maps: Array
     #: External force on the screw along each motion u ``(m,)`` [N].
-    force: Array
+    external_screw_force: Array
     #: Given displacement of the screw along x3, z3 at each ball, in addition to its motions u ``(N, 2)`` [m].
-    offset: Array
+    given_screw_displacement: Array
     #: Forces on the balls along x3, z3, such as friction ``(N, 2)`` [N].
-    push: Array
+    ball_friction_forces: Array
     #: Force of friction on the screw along each motion u ``(m,)`` [N].
-    drag: Array
+    screw_friction_forces: Array
 
     @property
     def section_displacement_maps(self) -> Array:
         """Displacement of the screw along x3 (radial), z3 (binormal) at each ball per unit of each motion ``(N, 2, m)``."""
-        return self.rows[:, [0, 2]]
+        return self.screw_displacement_maps[:, [0, 2]]
 
 
-def kernel_load_arrays(cell: BallsBetweenGrooves) -> CellArrays:
+def kernel_load_arrays(cell: BallsBetweenGrooves) -> BallContactArrays:
     """Return geometry, stiffness and applied forces of the balls in ``cell`` as arrays for the kernels."""
-    start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
+    start = cell.groove.groove_ball_centre_distance * np.stack(
+        [SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1
+    )
     start, interference, C, section, offset, push, pull = map(
         contiguous_floats,
         (
             start,
             cell.interference,
-            cell.groove.constants.C,
+            cell.groove.contact_hertz_constants.C,
             cell.section_displacement_maps,
-            cell.offset,
-            cell.push,
-            cell.force + cell.drag,
+            cell.given_screw_displacement,
+            cell.ball_friction_forces,
+            cell.external_screw_force + cell.screw_friction_forces,
         ),
     )
-    return CellArrays(start, interference, C, section, offset, push, pull, float(cell.groove.reach))
+    return BallContactArrays(
+        start, interference, C, section, offset, push, pull, float(cell.groove.groove_ball_centre_distance)
+    )
 
 
 def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
@@ -106,12 +110,12 @@ def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
     The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and
     the balls move half as far. ``cell``: the balls and the load on the screw.
     """
-    total = float(np.linalg.norm(cell.force))
-    count, m = cell.angle.shape[0], cell.rows.shape[2]
+    total = float(np.linalg.norm(cell.external_screw_force))
+    count, m = cell.angle.shape[0], cell.screw_displacement_maps.shape[2]
     if total == 0.0 or m == 0:
         return np.zeros((count, 2)), np.zeros(m)
-    approach = float(np.max(cell.groove.constants.C)) * (total / count) ** (2.0 / 3.0)
-    u = cell.force / total * 4.0 * (approach + max(0.0, -float(np.min(cell.interference))))
+    approach = float(np.max(cell.groove.contact_hertz_constants.C)) * (total / count) ** (2.0 / 3.0)
+    u = cell.external_screw_force / total * 4.0 * (approach + max(0.0, -float(np.min(cell.interference))))
     return 0.5 * (cell.section_displacement_maps @ u), u
 
 
@@ -135,7 +139,11 @@ def solve_screw_contact_loads(
     fast
         Whether to use compiled kernels.
     """
-    load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
+    load = float(
+        np.linalg.norm(cell.external_screw_force)
+        + np.linalg.norm(cell.screw_friction_forces)
+        + np.sum(np.abs(cell.ball_friction_forces))
+    )
     p, u = (
         _starting_displacements(cell)
         if start is None
@@ -179,11 +187,11 @@ class BallMotion:
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
     #: Ellipses, loads and coefficients of friction of the ball's contacts ``(4,)``.
-    at: Contacts
+    contacts: EllipticalContacts
     #: Directions from the ball's centre to the contacts in x3, y3, z3 ``(4, 3)``.
     normals: Array
     #: Contacts, kinematics and forces that determine the motion.
-    problem: MotionProblem
+    problem: BodyMotionProblem
     #: Motion of least dissipation.
     motion: BodyMotion
 
@@ -226,11 +234,11 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
     surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
         [0.0, 1.0, 0.0]
     )
-    per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.axis
+    per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.screw_axis_direction
     return float(np.sum(body * per_speed))
 
 
-def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> Contacts:
+def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> EllipticalContacts:
     """Return ellipses, loads and coefficients of friction of all contacts of several balls of a screw, as one row ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
@@ -242,7 +250,7 @@ def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> Contacts:
     force
         Contact forces, ``(..., 4)`` [N].
     """
-    h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
+    h, four = groove.contact_hertz_constants, np.reshape(force, (-1, 4)).astype(float)
     a, b = np.empty_like(four), np.empty_like(four)
     load_kernel_package(SCREW, compiled=True).semi_axes(four, contiguous_floats(h.C_a), contiguous_floats(h.C_b), a, b)
     return contacts_from_values(a.ravel(), b.ravel(), four.ravel(), groove.mu)
@@ -275,13 +283,13 @@ def solve_ball_motion(
         Whether to use compiled kernels.
     """
     normals = groove.normals(angle)
-    maps, drives = groove.maps(normals)
+    maps, drives = groove.contact_kinematics(normals)
     at = contact_ellipses_of_screw(groove, np.asarray(force, dtype=float))
-    problem = MotionProblem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
+    problem = BodyMotionProblem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
 
 
-def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> Sigmoid:
+def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for the contacts of a screw.
 
     Its reference spin is the relative spin of two opposite contacts, which for a bearing is omega_I sin(beta) with the
@@ -302,7 +310,7 @@ def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | 
     Lin (2019), 3.20 and 3.70.
     """
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
-    return Sigmoid(sharpness, spin, map_spacing)
+    return SigmoidLaw(sharpness, spin, map_spacing)
 
 
 def solve_ball_motion_by_root(ball: BallMotion, law: FrictionLaw, start: Array | None = None) -> BodyMotion:
@@ -328,13 +336,13 @@ def friction_on_balls_and_screw(
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
-    drag = -np.einsum("nim,ni->m", cell.rows, on_screw)
+    drag = -np.einsum("nim,ni->m", cell.screw_displacement_maps, on_screw)
     if coupling == "none":
         return np.zeros_like(push), np.zeros_like(drag)
     return push, drag if coupling == "ball and screw" else np.zeros_like(drag)
 
 
-class AndersonMixer:
+class AndersonAcceleration:
     """Anderson acceleration of a fixed-point iteration x = g(x), from the history of the last few rounds.
 
     The steps are damped and the history is dropped after many rounds.
@@ -380,8 +388,9 @@ def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> Ba
     """
     return replace(
         cell,
-        rows=np.zeros((cell.angle.shape[0], 3, 0)),
-        force=np.zeros(0),
-        drag=np.zeros(0),
-        offset=cell.offset + cell.section_displacement_maps @ load.inner,
+        screw_displacement_maps=np.zeros((cell.angle.shape[0], 3, 0)),
+        external_screw_force=np.zeros(0),
+        screw_friction_forces=np.zeros(0),
+        given_screw_displacement=cell.given_screw_displacement
+        + cell.section_displacement_maps @ load.inner_body_displacements,
     )

@@ -77,7 +77,7 @@ class ScrewPairSolution:
     """Contact loads and motion of two balls of a screw, without and with contact of the balls with each other."""
 
     #: State without ball-to-ball contact.
-    free: CoupledChainSolution
+    apart: CoupledChainSolution
     #: State with ball-to-ball contact.
     touching: CoupledChainSolution
 
@@ -89,31 +89,31 @@ class ScrewPairSolution:
     @property
     def friction_increase(self) -> float:
         """Relative increase of the total friction loss by ball-to-ball contact; nan without friction."""
-        return _ratio_or_nan(self.touching.motion.loss, self.free.motion.loss) - 1.0
+        return _ratio_or_nan(self.touching.motion.loss, self.apart.motion.loss) - 1.0
 
     @property
-    def rubbing_ratio(self) -> float:
+    def ball_loss_over_groove_loss(self) -> float:
         """Ratio of the loss between the touching balls to the loss of both without this contact; nan without friction."""
-        return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
+        return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.apart.motion.loss)
 
     @property
-    def closing(self) -> float:
+    def approach_speed_when_apart(self) -> float:
         """Orbital speed omega_B of the first ball less that of the second, without ball-to-ball contact [rad/s].
 
         It is positive if the first ball, which is behind, approaches the second one.
         """
-        q = self.free.motion.q
+        q = self.apart.motion.q
         return float(q[0, 0] - q[1, 0])
 
     @property
     def ball_loads(self) -> Array:
         """Sum of the contact loads of each of the two balls in the state with ball-to-ball contact ``(2,)`` [N]."""
-        return np.asarray(self.touching.load.force.sum(axis=1))
+        return np.asarray(self.touching.loads_with_friction.force.sum(axis=1))
 
     @property
     def converged(self) -> bool:
         """Whether both states converged."""
-        return self.free.converged and self.touching.converged
+        return self.apart.converged and self.touching.converged
 
 
 def _ratio_or_nan(amount: float, whole: float) -> float:
@@ -121,7 +121,7 @@ def _ratio_or_nan(amount: float, whole: float) -> float:
     return amount / whole if whole > 0.0 else float("nan")
 
 
-def solve_pair(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
+def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
     """Return the states of two neighbouring balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
     The ball-to-ball force and the rate at which the gap opens are complementary: one of both is zero, so that balls
@@ -146,8 +146,8 @@ def pair_sliding_speed(pair: Pair) -> float:
     It is computed from the loss between the balls, divided by coefficient of friction times ball-to-ball force.
     ``pair``: the balls, which must press on each other.
     """
-    motion = solve_pair(pair).touching.motion
-    return float(motion.ball_loss[0]) / (pair.groove.between * float(motion.ball_force[0]))
+    motion = solve_pair_of_screw_balls(pair).touching.motion
+    return float(motion.ball_loss[0]) / (pair.groove.ball_to_ball_mu * float(motion.ball_force[0]))
 
 
 def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> float:
@@ -167,7 +167,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
         Increase of the friction loss by ball-to-ball contact, as a ratio to the loss without this contact.
     """
     g = pair.groove
-    loss = 0.5 * g.between * force * pair_sliding_speed(pair) / increase
+    loss = 0.5 * g.ball_to_ball_mu * force * pair_sliding_speed(pair) / increase
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
@@ -178,18 +178,18 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
 
 
 @dataclass(frozen=True)
-class PairResultGrid:
+class ScrewPairResultGrid:
     """Ball-to-ball force and friction increase of two balls over a grid of m oversizes and n forces on the screw."""
 
     #: Ball-to-ball force ``(m, n)`` [N].
     force: Array
     #: Relative increase of the friction loss by ball-to-ball contact ``(m, n)``.
-    increase: Array
+    friction_increase: Array
     #: Whether both states, without and with contact, converged ``(m, n)``.
     converged: Array
 
 
-def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> PairResultGrid:
+def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -> ScrewPairResultGrid:
     """Return ball-to-ball force and friction increase of two balls for m oversizes and n forces on the screw.
 
     The forces on the screw have the same direction as that of ``pair``, which gives a force along each translation of
@@ -206,14 +206,19 @@ def results_over_oversize_and_force(pair: Pair, oversize: Array, axial: Array) -
     """
     total = float(np.linalg.norm(pair.force)) or 1.0
     solved = [
-        [solve_pair(replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force))) for a in axial]
+        [
+            solve_pair_of_screw_balls(
+                replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force))
+            )
+            for a in axial
+        ]
         for o in oversize
     ]
     force, increase, converged = (
         np.array([[getattr(r, name) for r in row] for row in solved])
         for name in ("force", "friction_increase", "converged")
     )
-    return PairResultGrid(force, increase, converged)
+    return ScrewPairResultGrid(force, increase, converged)
 
 
 @register_frozen_defaults
@@ -309,8 +314,8 @@ class Run:
         passage of the track, measured on the screw ``(N,)`` [rad], then whether each ball is in the loaded turns ``(N,)``.
         """
         (track,) = self.tracks
-        along = track.along(azimuth, nut_angle)
-        return along + nut_angle + track.first, along < track.arc
+        along = track.distances_from_arc_start(azimuth, nut_angle)
+        return along + nut_angle + track.loaded_arc_start, along < track.arc
 
     def begin(self) -> BallState:
         """Return the state at the start: balls spread evenly over the closed track, at the nominal orbital speed."""
@@ -328,7 +333,7 @@ class Run:
         if self.tube == 0.0 and (self.amplitude == 0.0 or (self.cycles * self.turns).is_integer()):
             return np.inf
         speed = self.groove.speed
-        return self.tracks[0].time_to_end(azimuth, omega - speed, speed * time)
+        return self.tracks[0].time_to_arc_end(azimuth, omega - speed, speed * time)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: CoupledChainSolution | None) -> InstantSolution:
         """Return the contact loads and ball motions of the simulated screw at one instant.
@@ -346,13 +351,13 @@ class Run:
         return InstantSolution(
             omega=m.q[:, 0] - self.groove.screw_speed,
             ball_force=m.ball_force,
-            load=near.load.force,
+            load=near.loads_with_friction.force,
             loaded=loaded,
-            losses=m.losses,
+            losses=m.losses_by_cause,
             input_power=m.input_power,
-            converged=m.converged and near.load.converged and (near.converged or self.rounds == 1),
+            converged=m.converged and near.loads_with_friction.converged and (near.converged or self.rounds == 1),
             memory=near,
-            change=near.change,
+            change=near.last_friction_change,
         )
 
 
@@ -381,7 +386,7 @@ def balls_at_instant(run: Run, azimuth: Array, loaded: NDArray[np.bool_], nut_an
     """
     g = run.groove
     angle = g.contact_angle + contact_angle_deviation(run, azimuth, nut_angle)[:, None] * np.array(run.pattern)
-    clear = np.where(loaded, run.oversize, -0.5 * g.reach)
+    clear = np.where(loaded, run.oversize, -0.5 * g.groove_ball_centre_distance)
     rows = screw_displacement_maps(g, azimuth, run.free)
     return balls_without_friction(g, angle, np.repeat(clear[:, None], 4, axis=1), rows, np.array(run.force))
 
@@ -398,22 +403,22 @@ def simulate_equal_steps(run: Run) -> TravelHistory:
 
 
 @dataclass(frozen=True)
-class RunSummary:
+class ScrewRunSummary:
     """The results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study."""
 
     #: Largest ratio of the friction torque between balls to that in the grooves.
-    largest: float
+    largest_ball_to_groove_ratio: float
     #: Nut angle at which this ratio is largest [deg].
-    at: float
+    nut_angle_of_largest_ratio: float
     #: Nut angle of the first time after this at which no balls press on each other [deg]; nan if there is none.
-    none_at: float
+    nut_angle_without_contact: float
     #: Largest number of groups of touching balls at any time.
-    groups: int
+    most_touching_groups: int
     #: Variation of the friction torque in the grooves, (largest - least)/mean; nan without friction.
     groove_variation: float
 
 
-def summarise_history(result: TravelHistory) -> RunSummary:
+def summarise_screw_run(result: TravelHistory) -> ScrewRunSummary:
     """Return the results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study.
 
     Parameters
@@ -425,10 +430,10 @@ def summarise_history(result: TravelHistory) -> RunSummary:
     top = int(np.argmax(result.ball_to_groove_ratio))
     later = np.flatnonzero(~result.contact.any(axis=1) & (np.arange(angle.size) > top))
     torque = result.groove_torque
-    return RunSummary(
-        largest=float(result.ball_to_groove_ratio[top]),
-        at=float(angle[top]),
-        none_at=float(angle[later[0]]) if later.size else float("nan"),
-        groups=int(np.max(result.groups)),
+    return ScrewRunSummary(
+        largest_ball_to_groove_ratio=float(result.ball_to_groove_ratio[top]),
+        nut_angle_of_largest_ratio=float(angle[top]),
+        nut_angle_without_contact=float(angle[later[0]]) if later.size else float("nan"),
+        most_touching_groups=int(np.max(result.groups)),
         groove_variation=float(np.ptp(torque) / result.mean(torque)) if result.mean(torque) > 0.0 else float("nan"),
     )

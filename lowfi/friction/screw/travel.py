@@ -28,7 +28,7 @@ class ClosedTrack(NamedTuple):
     #: Number of the thread start on which the track lies, from 0.
     start: int
     #: Azimuth of the beginning of the loaded arc [rad].
-    first: float
+    loaded_arc_start: float
     #: Length of the loaded arc as an azimuth [rad].
     arc: float
     #: Length of the whole track, return included, as an azimuth [rad].
@@ -38,22 +38,22 @@ class ClosedTrack(NamedTuple):
     #: Indices, among all N balls of the screw or bearing, of the balls on this track.
     balls: slice
 
-    def along(self, azimuth: Array, turned: float = 0.0) -> Array:
+    def distances_from_arc_start(self, azimuth: Array, turned: float = 0.0) -> Array:
         """Return the angular distance of each ball of the track from the beginning of its loaded arc, 0 to ``ring`` [rad].
 
         ``azimuth``: azimuths of all N balls of the screw ``(N,)`` [rad]; ``turned``: angle by which the track has
         turned about the axis [rad].
         """
-        return np.asarray(np.mod(azimuth[self.balls] - turned - self.first, self.ring))
+        return np.asarray(np.mod(azimuth[self.balls] - turned - self.loaded_arc_start, self.ring))
 
-    def time_to_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
+    def time_to_arc_end(self, azimuth: Array, rate: Array, turned: float = 0.0) -> float:
         """Return the time until a ball of this track reaches an end of the loaded arc [s]; inf if no ball moves.
 
         ``azimuth``: azimuths of all N balls ``(N,)`` [rad]; ``rate``: their angular speeds relative to the track
         ``(N,)`` [rad/s], which are taken as constant; ``turned``: angle by which the track has turned about the axis
         [rad].
         """
-        along, rate = self.along(azimuth, turned), rate[self.balls]
+        along, rate = self.distances_from_arc_start(azimuth, turned), rate[self.balls]
         forward = np.where(along < self.arc, self.arc, self.ring) - along
         distance = np.where(rate > 0.0, forward, along - np.where(along > self.arc, self.arc, 0.0))
         return float(np.divide(distance, np.abs(rate), out=np.full_like(rate, np.inf), where=rate != 0.0).min())
@@ -446,19 +446,19 @@ def simulate(
 
 
 def ignore_progress(steps: str, share: float) -> None:
-    """Do nothing: the default function to which `run_with_step_errors` reports progress.
+    """Do nothing: the default function to which `simulate_with_step_errors` reports progress.
 
     ``steps``: text that names the number of time steps; ``share``: fraction of them that is done.
     """
 
 
-def run_with_step_errors(
+def simulate_with_step_errors(
     setting: SimulatedSystem,
     duration: float,
     steps: int | None,
     goal: float,
     report: Callable[[str, float], object] = ignore_progress,
-) -> tuple[TravelHistory, StepError | None]:
+) -> tuple[TravelHistory, TimeStepErrors | None]:
     """Simulate balls that travel round their tracks, and estimate the errors due to the finite time steps.
 
     Parameters
@@ -479,7 +479,7 @@ def run_with_step_errors(
 
     Returns
     -------
-    tuple[TravelHistory, StepError | None]
+    tuple[TravelHistory, TimeStepErrors | None]
         The simulation with the most time steps, and its errors. The errors are None if the simulation ended early or has
         fewer than four steps.
     """
@@ -526,7 +526,7 @@ ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
+class TimeStepErrorEstimate:
     """Estimated error of one quantity of a simulation due to its finite time steps."""
 
     #: Estimated error as a ratio to the mean friction torque.
@@ -534,42 +534,42 @@ class ErrorEstimate:
     #: Order of convergence observed over three simulations; nan where their differences are round-off.
     order: float = float("nan")
     #: Order of convergence with which the error is extrapolated; nan where no order is observed.
-    used: float = SMOOTH
+    order_used: float = SMOOTH
 
     @property
-    def unclear(self) -> bool:
+    def no_order_observed(self) -> bool:
         """Whether no order of convergence is observed, so that the error is only a cautious guess."""
-        return bool(np.isnan(self.used))
+        return bool(np.isnan(self.order_used))
 
 
 @dataclass(frozen=True)
-class StepError:
+class TimeStepErrors:
     """Estimated errors of the results of a simulation due to its finite time steps."""
 
     #: Estimated errors by the name of the quantity: "torque" (its course over the angle), "mean", "largest" and "least"
     #: (see `TravelHistory.torques`), and "share" (see `TravelHistory.share`).
-    quantities: dict[str, ErrorEstimate]
+    errors_by_quantity: dict[str, TimeStepErrorEstimate]
     #: Numbers of time steps of the three simulations that are compared, in increasing order.
-    steps: tuple[int, ...]
+    step_counts: tuple[int, ...]
 
     @property
-    def torque(self) -> float:
+    def torque_error(self) -> float:
         """Mean absolute error of the friction torque over the simulated time, as a ratio to the mean torque."""
-        return self.quantities["torque"].error
+        return self.errors_by_quantity["torque"].error
 
     @property
-    def largest(self) -> float:
+    def largest_error(self) -> float:
         """Largest error of all quantities, as a ratio to the mean torque."""
-        return max(q.error for q in self.quantities.values())
+        return max(q.error for q in self.errors_by_quantity.values())
 
     @property
-    def unclear(self) -> tuple[str, ...]:
+    def quantities_without_order(self) -> tuple[str, ...]:
         """Names of the quantities for which no order of convergence is observed."""
-        return tuple(name for name, q in self.quantities.items() if q.unclear)
+        return tuple(name for name, q in self.errors_by_quantity.items() if q.no_order_observed)
 
     def is_within(self, goal: float) -> bool:
         """Return whether every estimated error is at most ``goal``, a fraction of the mean torque."""
-        return self.largest <= goal
+        return self.largest_error <= goal
 
 
 def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) -> float:
@@ -584,7 +584,7 @@ def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) 
     return float(np.mean(np.abs(np.diff(work) * (long_step_torques.size / short_step_torques.size) - long_step_torques)))
 
 
-def extrapolated_error(first_change: float, last_change: float, jumps: bool = False) -> ErrorEstimate:
+def extrapolated_error(first_change: float, last_change: float, jumps: bool = False) -> TimeStepErrorEstimate:
     """Return the estimated error of a quantity due to finite time steps, from three simulations with ever shorter steps.
 
     The number of steps is doubled from one simulation to the next. ``first_change``: change of the quantity from the
@@ -596,15 +596,17 @@ def extrapolated_error(first_change: float, last_change: float, jumps: bool = Fa
     """
     most = max(abs(first_change), abs(last_change), abs(first_change + last_change))
     if most <= ROUND_OFF:
-        return ErrorEstimate(most)
+        return TimeStepErrorEstimate(most)
     order = float(np.log2(max(abs(first_change), 1e-300) / max(abs(last_change), 1e-300)))
     if first_change * last_change < 0.0 or order < LEAST:
-        return ErrorEstimate(UNCLEAR * most, order, float("nan"))
+        return TimeStepErrorEstimate(UNCLEAR * most, order, float("nan"))
     used = min(order, SMOOTH if not jumps or order > SMOOTH - 0.5 else OF_JUMPS)
-    return ErrorEstimate(SAFETY * max(abs(last_change), abs(first_change) / 2.0**used) / (2.0**used - 1.0), order, used)
+    return TimeStepErrorEstimate(
+        SAFETY * max(abs(last_change), abs(first_change) / 2.0**used) / (2.0**used - 1.0), order, used
+    )
 
 
-def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
+def estimate_time_step_errors(levels: Sequence[TravelHistory]) -> TimeStepErrors | None:
     """Return the estimated errors of a simulation due to its finite time steps, by comparison with two coarser simulations.
 
     ``levels``: simulations of the same motion in the order of increasing numbers of time steps, of which the last three are
@@ -618,7 +620,7 @@ def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
     one, two, three = (level.per_step for level in levels[-3:])
     size = abs(float(three.mean()))
     if size == 0.0:
-        return StepError({"torque": ErrorEstimate(0.0)}, steps)
+        return TimeStepErrors({"torque": TimeStepErrorEstimate(0.0)}, steps)
     over = extrapolated_error(
         mean_torque_difference(one, two) / size, mean_torque_difference(two, three) / size, jumps=True
     )
@@ -628,12 +630,12 @@ def estimate_step_error(levels: Sequence[TravelHistory]) -> StepError | None:
     for name, value in numbers[-1].items():
         if not np.isnan(value):
             errors[name] = extrapolated_error(numbers[1][name] - numbers[0][name], value - numbers[1][name])
-    return StepError(errors, steps)
+    return TimeStepErrors(errors, steps)
 
 
 def simulate_until_accurate(
     simulate: Callable[[int], TravelHistory], steps: int | None, first_count: int, goal: float
-) -> tuple[TravelHistory, StepError | None]:
+) -> tuple[TravelHistory, TimeStepErrors | None]:
     """Simulate with ever more time steps; return the last simulation and its estimated errors due to finite time steps.
 
     ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps,
@@ -646,12 +648,12 @@ def simulate_until_accurate(
     else:
         counts = [first_count * 2**k for k in range(20) if first_count * 2**k <= MOST]
     levels: list[TravelHistory] = []
-    error: StepError | None = None
+    error: TimeStepErrors | None = None
     for count in counts:
         levels.append(simulate(count))
         if not levels[-1].good:
             return levels[-1], None
-        error = estimate_step_error(levels)
+        error = estimate_time_step_errors(levels)
         if steps is None and error is not None and error.is_within(goal):
             break
     return levels[-1], error

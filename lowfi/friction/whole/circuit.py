@@ -31,10 +31,10 @@ from rollbench.lowfi.friction.whole.losses import (
 )
 from rollbench.lowfi.friction.whole.torque import ONE_TURN, axial_forces_and_moments
 from rollbench.lowfi.jit import CONTACT, is_copy_loaded
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import DrawnErrors, draw_ball_radii
+from rollbench.meshes.errors import ErrorsAfterDrawing, draw_ball_radii
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Circulation, Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
@@ -71,7 +71,7 @@ class Circuit(NamedTuple):
     #: Azimuth of the balls at the beginning, in order, those of the return last ``(n,)`` [rad].
     azimuth: Array
     #: Numbers of these balls in the scene ``(n,)``, -1 in the return.
-    ball: NDArray[np.int64]
+    ball_numbers: NDArray[np.int64]
 
 
 def circuits_of_scene(scene: Scene) -> tuple[Circuit, ...]:
@@ -203,7 +203,7 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
     hertz: GrooveHertzConstants = field(repr=False)
 
     @property
-    def constants(self) -> GrooveHertzConstants:
+    def contact_hertz_constants(self) -> GrooveHertzConstants:
         """Hertz constants of the contacts without geometric errors."""
         return self.hertz
 
@@ -214,30 +214,30 @@ def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGro
     Their coefficient of friction is the larger one of the screw's and the nut's grooves. ``friction``: coefficients of
     friction; ``drive``: motion of the screw or nut that turns.
     """
-    path, h = ball_kinematics(scene, drive, scene.balls.radius), error_free_hertz(scene)
+    path, h = ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=GrooveHertzConstants(h.C, h.C_a, h.C_b))
 
 
 @dataclass(frozen=True)
-class SceneChain(BallChain):
+class SceneBallChain(BallChain):
     """Balls of one closed track of a scene with their contact loads; radii and coefficients of friction may differ."""
 
     #: Contact forces, angles and ellipses of the balls.
-    at: StaticContacts
+    static_contacts: StaticContacts
     #: Ellipses, friction bounds and kinematics of the contacts of the same balls.
-    contacts: FrictionContacts
+    groove_contacts: FrictionContacts
     #: Coefficient of friction from ball to ball.
-    between: float
+    ball_to_ball_mu: float
 
     @property
     def friction_contacts(self) -> FrictionContacts:
         """Ellipses, friction bounds and kinematics of the contacts of all N balls with the grooves."""
-        return self.contacts
+        return self.groove_contacts
 
     @property
     def mu_balls(self) -> float:
         """Coefficient of friction between touching balls."""
-        return self.between
+        return self.ball_to_ball_mu
 
     def wrench(self, pull: Array) -> Array:
         """Return force and moment of friction on the balls in the section's axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
@@ -246,7 +246,7 @@ class SceneChain(BallChain):
         two forces [N] and the moment about the normal [N m].
         """
         turned = pull.copy()
-        rotate_to_groove_axes(self.at, turned)
+        rotate_to_groove_axes(self.static_contacts, turned)
         return super().wrench(turned)
 
     def input_power(self, wrench: Array) -> float:
@@ -255,7 +255,7 @@ class SceneChain(BallChain):
         ``wrench``: force and moment of friction on the balls in the section's axes ``(N, 4, 6)`` [N, N m], from
         `wrench`.
         """
-        axial, moment = axial_forces_and_moments(self.at, wrench)
+        axial, moment = axial_forces_and_moments(self.static_contacts, wrench)
         helical = moment + self.groove.ratio * axial
         return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
 
@@ -303,12 +303,12 @@ def solve_motion_on_track(
     share, top = relative_coefficients(friction)
     rubs = friction_contacts(scene, contacts, top * share, drive)
     motion = solve_motion_of_chain(
-        SceneChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls),
+        SceneBallChain(grooves, contacts.force, contacts.normals, slack, contacts, rubs, friction.between_balls),
         start,
         fast,
         True,
     )
-    for rows in (motion.seen, motion.pull):
+    for rows in (motion.contact_motions, motion.contact_friction):
         rotate_to_groove_axes(contacts, rows)
     return motion
 
@@ -331,7 +331,7 @@ class BallsInCircuits:
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
     #: Azimuth by which the next ball of a circuit is ahead where they touch ``(N,)`` [rad].
-    spacing: Array
+    touching_spacing: Array
     #: Grooves without errors.
     grooves: SceneGrooves
 
@@ -344,9 +344,9 @@ class BallsInCircuits:
         for track in self.tracks:
             balls = track.balls
             out[balls] = np.diff(azimuth[balls], append=azimuth[balls.start] + track.ring)
-        return np.asarray(out - self.spacing)
+        return np.asarray(out - self.touching_spacing)
 
-    def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def fold_into_circuits(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the positions of all balls in their circuits, and which balls are on a loaded arc.
 
         ``azimuth``: azimuths in the nut's frame ``(N,)`` [rad], which increase without bound as balls circulate.
@@ -359,8 +359,8 @@ class BallsInCircuits:
         """
         folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
         for track in self.tracks:
-            along = track.along(azimuth)
-            folded[track.balls], loaded[track.balls] = track.first + along, along < track.arc
+            along = track.distances_from_arc_start(azimuth)
+            folded[track.balls], loaded[track.balls] = track.loaded_arc_start + along, along < track.arc
         return folded, loaded
 
     def layout(self, scene: Scene, folded: Array, turned: float = 0.0) -> BallLayout:
@@ -378,7 +378,7 @@ class BallsInCircuits:
 
 
 def balls_in_circuits(
-    scene: Scene, friction: Friction, drive: Drive, drawn: DrawnErrors, member: int = 0
+    scene: Scene, friction: Friction, drive: Drive, drawn: ErrorsAfterDrawing, member: int = 0
 ) -> BallsInCircuits:
     """Return the balls of a scene in their circuits (closed tracks) at the beginning of a simulation.
 
@@ -405,18 +405,19 @@ def balls_in_circuits(
     tracks, azimuths, numbers = zip(*circuits_of_scene(scene), strict=True)
     azimuth, number = np.concatenate(azimuths), np.concatenate(numbers)
     grooves = grooves_of_scene(scene, friction, drive)
-    radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
+    radius = np.where(number >= 0, drawn.ball_radii[np.maximum(number, 0)], 0.0)
     rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
     radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
     excess, pair = radius - scene.balls.radius, grooves.pair
     spacing = np.empty_like(radius)
     for members in (track.balls for track in tracks):
-        spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing
+        spacing[members] = pair.spacing + (excess[members] + np.roll(excess[members], -1)) / pair.closing_speed_factor
     balls = BallsInCircuits(tracks, radius, number, azimuth, spacing, grooves)
     gaps = balls.gaps(azimuth)
     if gaps.min() < -FULL:
         raise ValueError(
-            f"neighbouring balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um at the beginning; use smaller "
+            f"neighbouring balls overlap by {-1e6 * pair.closing_speed_factor * gaps.min():.3g} um at the beginning; use "
+            "smaller "
             "balls or larger angles between them"
         )
     for members in (track.balls for track in tracks):
@@ -443,31 +444,31 @@ class ContactOnset:
     """
 
     #: Angular speeds of the balls around the axis ``(N,)`` [rad/s]; those of unloaded balls are assumed.
-    orbit: Array
+    orbital_speeds: Array
     #: Sum of the contact loads of each ball ``(N,)`` [N].
-    loaded: Array
+    contact_load_sums: Array
     #: Numbers of the two balls of each pair, the one at the larger azimuth second ``(M, 2)``.
-    pair: NDArray[np.int64]
+    neighbour_pairs: NDArray[np.int64]
     #: Gap between the two balls of a pair ``(M,)`` [rad].
-    gap: Array
+    pair_gaps: Array
     #: Rotation of the driven part after which the two balls of a pair meet at these speeds ``(M,)`` [rad]; infinite if they
     #: never meet.
-    meeting: Array
+    rotation_to_meeting: Array
     #: Rotation of the driven part after which the leading ball of the pair has left its loaded arc, or the balls of a
     #: bearing have gone round once ``(M,)`` [rad].
-    leaving: Array
+    rotation_to_arc_end: Array
     #: Whether the friction forces are in balance on every ball.
     converged: bool
 
     @property
-    def first(self) -> float:
+    def rotation_to_first_meeting(self) -> float:
         """Rotation of the driven part after which the first two neighbouring balls meet [rad]; infinite if none do."""
-        return float(self.meeting.min(initial=np.inf))
+        return float(self.rotation_to_meeting.min(initial=np.inf))
 
     @property
-    def touch(self) -> bool:
+    def touches_under_load(self) -> bool:
         """Whether any two neighbouring balls meet while both still carry load, at a rotation of at most ``leaving``."""
-        return bool(np.any(self.meeting <= self.leaving))
+        return bool(np.any(self.rotation_to_meeting <= self.rotation_to_arc_end))
 
 
 def contact_onset(
@@ -499,7 +500,7 @@ def contact_onset(
     path = ball_kinematics(scene, drive, scene.balls.radius)
     balls = ball_friction(scene, contacts_of_result(scene, result), Friction(1.0, 1.0), drive, fast=is_copy_loaded(CONTACT))
     carrying = result.load.sum(axis=1)
-    orbit = np.where(carrying > 0.0, balls.orbit, unloaded_speed_ratio * path.nominal_orbit)
+    orbit = np.where(carrying > 0.0, balls.orbital_speed, unloaded_speed_ratio * path.nominal_orbit)
     spacing, ring = azimuth_between_touching_balls(path), scene.track.lead == 0.0
     pairs, gaps, leaving = [], [], []
     for track, azimuth, ball in circuits_of_scene(scene):
@@ -507,7 +508,9 @@ def contact_onset(
         after = np.append(here[1:], here[0] + 2.0 * np.pi)[: here.size if ring else -1]
         pair = np.column_stack([number, np.roll(number, -1)])[: after.size]
         along = orbit[pair] - path.nut_speed  # in the nut's frame, where the arcs are
-        left = np.where(along[:, 1] > 0.0, track.first + track.arc - after, here[: after.size] - track.first)
+        left = np.where(
+            along[:, 1] > 0.0, track.loaded_arc_start + track.arc - after, here[: after.size] - track.loaded_arc_start
+        )
         leader = np.abs(np.where(along[:, 1] > 0.0, along[:, 1], along[:, 0]))
         pairs.append(pair)
         gaps.append(after - here[: after.size] - spacing)

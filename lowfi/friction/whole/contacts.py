@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
-from rollbench.lowfi.hertz import contact_modulus, printed_hertz
+from rollbench.lowfi.hertz import contact_modulus, hertz_constants_as_printed
 from rollbench.lowfi.statics.contacts import (
-    actual_hertz,
-    distinct_hertz,
-    error_free_hertz,
+    hertz_at_contact_angles,
+    hertz_with_errors_if_distinct,
+    hertz_without_errors,
     nominal_curvatures,
     relative_curvatures,
 )
 from rollbench.lowfi.statics.nominal import ContactLoads
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout, nominal_groove_radii
 from rollbench.meshes.parts import Errors, Scene
 from rollbench.meshes.surface import printed_principal_radii
@@ -61,7 +61,7 @@ class StaticContacts:
         return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
     @cached_property
-    def frames(self) -> Array:
+    def section_axes(self) -> Array:
         """Axes x3 (radial), y3 (tangent), z3 (binormal) of each ball's section, as rows in fixed axes ``(N, 3, 3)``."""
         return np.stack([self.layout.radial, self.layout.tangent, self.layout.binormal], axis=1)
 
@@ -90,7 +90,7 @@ class StaticContacts:
     def axial_force(self) -> float:
         """Axial force of the normal contact loads on the screw, positive along +z [N]."""
         push = self.force[:, :2, None] * self.normals[:, :2]
-        return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
+        return float(np.einsum("nsi,ni->", push, self.section_axes[:, :, 2]))
 
 
 def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
@@ -103,11 +103,11 @@ def contacts_of_result(scene: Scene, result: StaticResult, member: int = 0) -> S
     if not result.converged:
         raise ValueError(f"friction cannot be computed, because the contact loads did not converge: {result.status}")
     layout = ball_layout(scene)
-    return contacts_of_solution(scene, result, draw_specimen(scene, layout, member), layout)
+    return contacts_of_solution(scene, result, draw_geometry_with_errors(scene, layout, member), layout)
 
 
 def contacts_of_solution(
-    scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout
+    scene: Scene, result: StaticResult | ContactLoads, drawn: GeometryWithErrors, layout: BallLayout
 ) -> StaticContacts:
     """Return forces, angles and ellipses of the contacts of a static solution at given positions of the balls.
 
@@ -126,7 +126,7 @@ def contacts_of_solution(
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipse_constants(scene, drawn, angle)
     cube = _force_cube_root(force)
-    return StaticContacts(drawn.ball_radius, force, angle, c_a * cube, c_b * cube, across, layout)
+    return StaticContacts(drawn.ball_radii, force, angle, c_a * cube, c_b * cube, across, layout)
 
 
 def _force_cube_root(force: Array) -> Array:
@@ -184,7 +184,7 @@ def contacts_of_all_balls(
     return full
 
 
-def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _ellipse_constants(scene: Scene, drawn: GeometryWithErrors, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return the Hertz constants of the long, then the short semi-axes, then whether the long axis lies across the groove.
 
     Each array is ``(N, 4)``; the semi-axes [m] are the constants times the cube root of the force [N]. The scene's
@@ -196,12 +196,16 @@ def _ellipse_constants(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Arr
         c_a, c_b = _printed_ellipse_constants(scene)
         return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
     if kind == "actual":
-        h, curvature = actual_hertz(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
+        h, curvature = hertz_at_contact_angles(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
     else:
-        h = error_free_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
+        h = (
+            hertz_without_errors(scene)
+            if kind == "error-free"
+            else hertz_with_errors_if_distinct(scene, drawn, drawn.ball_radii)
+        )
         curvature = nominal_curvatures(scene)
     # curvatures are in ascending order; the one that equals the groove profile's belongs to the semi-axis across
-    profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / nominal_groove_radii(scene)
+    profile = 1.0 / drawn.ball_radii[:, None] - 1.0 / nominal_groove_radii(scene)
     across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
 
@@ -212,14 +216,14 @@ def _printed_ellipse_constants(scene: Scene) -> tuple[Array, Array]:
     ``scene``: the scene, whose random errors are left out.
     """
     bare = replace(scene, errors=Errors())
-    drawn = draw_specimen(bare, ball_layout(bare))
+    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
     gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material
     rows = []
     for body, side in ((scene.screw, 0), (scene.nut, 3)):
         steel = body.material
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
         low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
-        constants = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
+        constants = hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)
         rows += 2 * [(constants.C_a, constants.C_b)]
     table = np.array(rows)
     return table[:, 0], table[:, 1]

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.friction.contact.equilibrium import solve_contact_loads_of_each_ball
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
-from rollbench.lowfi.friction.screw.motion import AndersonMixer
+from rollbench.lowfi.friction.screw.motion import AndersonAcceleration
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_with_loads
 from rollbench.lowfi.friction.whole.losses import BallFriction, ball_friction
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.lowfi.statics.settle import contact_angles
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.parts import Friction, Scene
 from rollbench.meshes.parts import Motion as Drive
 
@@ -46,13 +46,13 @@ class PositionsInGrooves:
     """Positions of N balls relative to their four grooves in the static state without friction."""
 
     #: Vector from the centre of each groove's profile to the ball's centre, along x3 and z3 ``(N, 4, 2)`` [m].
-    away: Array
+    groove_to_ball_vectors: Array
     #: Length of this vector where ball and groove just touch ``(N, 4)`` [m].
-    reach: Array
+    touching_distance: Array
     #: Hertz constants C of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     C: Array
     #: Direction of the screw's axis in x3, y3, z3 ``(3,)``.
-    axis: Array
+    screw_axis_direction: Array
 
 
 def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centre: Array) -> PositionsInGrooves:
@@ -71,7 +71,7 @@ def positions_in_grooves(contacts: StaticContacts, C: Array, reach: Array, centr
     free = (contacts.force == 0.0) & (contacts.force[:, other] > 0.0)
     away = np.where(free[..., None], by_other, away)
     reach = np.where(free, np.maximum(reach, np.hypot(away[..., 0], away[..., 1])), reach)
-    return PositionsInGrooves(away, reach, C, np.asarray(contacts.frames[0, :, 2]))
+    return PositionsInGrooves(away, reach, C, np.asarray(contacts.section_axes[0, :, 2]))
 
 
 def positions_in_grooves_of_result(
@@ -82,20 +82,22 @@ def positions_in_grooves_of_result(
     ``scene``: the scene; ``result``: its static result; ``contacts``: contacts of this result; ``member``: number of
     the draw of random errors (specimen) that was solved.
     """
-    return positions_in_grooves_with_errors(contacts, draw_specimen(scene, contacts.layout, member), result.hertz_C)
+    return positions_in_grooves_with_errors(
+        contacts, draw_geometry_with_errors(scene, contacts.layout, member), result.hertz_C
+    )
 
 
-def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: Specimen, C: Array) -> PositionsInGrooves:
+def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWithErrors, C: Array) -> PositionsInGrooves:
     """Return the positions of N balls relative to grooves with geometric errors.
 
     ``contacts``: contacts of the balls; ``drawn``: radii, groove centres and groove profiles with random errors; ``C``:
     Hertz constants of the approach C F^(2/3) ``(N, 4)`` [m/N^(2/3)].
     """
     inward = np.zeros_like(contacts.angle)
-    for s, row in enumerate(drawn.profile):
+    for s, row in enumerate(drawn.profile_coefficients):
         inward[:, s] = np.polynomial.polynomial.polyval(contacts.angle[:, s], row) if row.size else 0.0
-    reach = drawn.radius[None, :] - inward - drawn.ball_radius[:, None]
-    return positions_in_grooves(contacts, C, reach, drawn.centre)
+    reach = drawn.groove_radii[None, :] - inward - drawn.ball_radii[:, None]
+    return positions_in_grooves(contacts, C, reach, drawn.groove_centres)
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
@@ -119,18 +121,18 @@ class FrictionEquilibrium:
     """
 
     #: Contacts of the balls with friction.
-    at: StaticContacts
+    contacts: StaticContacts
     #: Motion and friction of the balls in these contacts.
     friction: BallFriction
     #: Which balls failed ``(N,)``.
-    failed: NDArray[np.bool_]
+    failed_balls: NDArray[np.bool_]
     #: Number of rounds of the iteration.
     rounds: int
     #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads.
-    change: float
+    largest_imbalance_ratio: float
     #: Friction on each ball along x3 and z3 and on the screw along its axis, which the contact loads balance ``(N, 3)``
     #: [N].
-    push: Array
+    friction_on_balls_and_screw: Array
 
 
 def solve_friction_equilibrium(
@@ -175,9 +177,9 @@ def solve_friction_equilibrium(
         The equilibrium; its field ``failed`` marks balls for which none was found.
     """
     count = static_contacts.force.shape[0]
-    along, loaded = positions.axis[[0, 2]], static_contacts.force.sum(axis=1) > 0.0
+    along, loaded = positions.screw_axis_direction[[0, 2]], static_contacts.force.sum(axis=1) > 0.0
     still = _unbalanced_forces(static_contacts.force, static_contacts.normals[..., [0, 2]], along, np.zeros((count, 3)))
-    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonMixer(2, ROUNDS)
+    guess, shift, mixer = np.zeros((count, 3)), np.zeros((count, 3)), AndersonAcceleration(2, ROUNDS)
     contacts, active, rounds = static_contacts, np.flatnonzero(loaded), 0
     if starting_friction is not None and active.size:
         guess[active] = starting_friction[active]
@@ -190,8 +192,8 @@ def solve_friction_equilibrium(
         rounds += 1
         chosen = contacts.subset(active)
         by_ball = ball_friction(scene, chosen, friction, drive, fast, q[active])
-        q[active] = by_ball.q
-        answer = _friction_on_balls_and_screw(by_ball, chosen, positions.axis)
+        q[active] = by_ball.ball_motions
+        answer = _friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)
         unsettled = (np.abs(answer - guess[active]).max(axis=1) > AGREED * chosen.force.sum(axis=1)) | failed[active]
         active = active[unsettled]
         mixer.keep_vectors(unsettled)
@@ -215,7 +217,7 @@ def solve_friction_equilibrium(
             )
             chosen = there.subset(one)
             by_ball = ball_friction(scene, chosen, friction, drive, fast, q[one])
-            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.axis)[0] / size - x)
+            return np.asarray(_friction_on_balls_and_screw(by_ball, chosen, positions.screw_axis_direction)[0] / size - x)
 
         options = {"xtol": SOLVED, "eps": DIFFERENCE**2, "maxfev": TRIALS}
         guess[ball] = size * root(excess, guess[ball] / size, options=options).x
@@ -227,7 +229,7 @@ def solve_friction_equilibrium(
         contacts.force,
         contacts.normals[..., [0, 2]],
         along,
-        still + _friction_on_balls_and_screw(final, contacts, positions.axis),
+        still + _friction_on_balls_and_screw(final, contacts, positions.screw_axis_direction),
     )
     change = np.abs(off).max(axis=1) / np.maximum(contacts.force.sum(axis=1), 1e-300)
     return FrictionEquilibrium(contacts, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
@@ -244,7 +246,7 @@ def _friction_on_balls_and_screw(by_ball: BallFriction, contacts: StaticContacts
     return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
-def balls_with_second_state(
+def balls_with_jammed_state(
     scene: Scene,
     positions: PositionsInGrooves,
     static_contacts: StaticContacts,
@@ -261,14 +263,16 @@ def balls_with_second_state(
     ``rolling_state``: equilibrium that the balls reach by rolling from there; ``friction``: coefficients of friction;
     ``drive``: motion of the screw or nut that turns; ``fast``: whether to use the compiled functions.
     """
-    size, other = rolling_state.at.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
+    size, other = rolling_state.contacts.force.max(axis=1), np.zeros(static_contacts.force.shape[0], dtype=bool)
     for axis in range(2):
         for sign in (-1.0, 1.0):
             push = np.zeros((size.size, 3))
             push[:, axis] = sign * DISPLACED * size
             again = solve_friction_equilibrium(scene, static_contacts, positions, friction, drive, fast, push)
-            apart = np.abs(again.at.force - rolling_state.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
-            other |= apart & ~again.failed & ~rolling_state.failed & (size > 0.0)
+            apart = np.abs(again.contacts.force - rolling_state.contacts.force).max(axis=1) > ANOTHER * np.maximum(
+                size, 1e-300
+            )
+            other |= apart & ~again.failed_balls & ~rolling_state.failed_balls & (size > 0.0)
     return tuple(int(k) for k in np.flatnonzero(other))
 
 
@@ -295,10 +299,10 @@ def _contacts_under_forces(
         The contacts of all balls; displacements of the k balls along x3, z3 and of the screw along its axis ``(k, 3)`` [m];
         which of the k balls found no equilibrium ``(k,)``.
     """
-    away = place.away[balls]
-    pressed = np.hypot(away[..., 0], away[..., 1]) - place.reach[balls]
+    away = place.groove_to_ball_vectors[balls]
+    pressed = np.hypot(away[..., 0], away[..., 1]) - place.touching_distance[balls]
     x, force, normal, left = solve_contact_loads_of_each_ball(
-        away, pressed, place.C[balls], place.axis[[0, 2]], forces, start, fast
+        away, pressed, place.C[balls], place.screw_axis_direction[[0, 2]], forces, start, fast
     )
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), frictionless.force[balls].sum(axis=1))
     new_force, angle = contacts.force.copy(), contacts.angle.copy()

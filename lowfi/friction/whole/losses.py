@@ -75,13 +75,13 @@ class BallFriction:
 
     #: Angular speed of each ball's centre around the axis ``(N,)`` [rad/s], seen from the part that does not rotate; nan
     #: without load.
-    orbit: Array
+    orbital_speed: Array
     #: Angular speed of each ball about x3, y3, z3, relative to its section, which goes round with it ``(N, 3)`` [rad/s];
     #: nan without load.
     rotation: Array
     #: Motion of the ball relative to the groove at each contact: sliding of the contact's centre across (x) and along (z)
     #: the groove [m/s], and spin about the normal [rad/s] ``(N, 4, 3)``.
-    motion: Array
+    contact_motions: Array
     #: Force of friction on the ball along x and z ``(N, 4, 2)`` [N].
     force: Array
     #: Moment of friction on the ball about the normal ``(N, 4)`` [N m].
@@ -89,11 +89,11 @@ class BallFriction:
     #: Power lost in each contact by each of the three ``CAUSES`` ``(N, 4, 3)`` [W].
     loss: Array
     #: Whether each contact sticks ``(N, 4)``.
-    rest: NDArray[np.bool_]
+    sticking_contacts: NDArray[np.bool_]
     #: Status of the solution for each ball; ``"no load"`` for a ball without contact forces.
     status: tuple[str, ...]
     #: Largest force out of balance of all balls, as a fraction of the sum of the ball's friction bounds mu F.
-    left: float
+    largest_imbalance_ratio: float
 
     @property
     def converged(self) -> bool:
@@ -101,12 +101,12 @@ class BallFriction:
         return "failed" not in self.status
 
     @property
-    def q(self) -> Array:
+    def ball_motions(self) -> Array:
         """Motions of the balls ``(N, 4)`` [rad/s]: orbital speed, then the three rotations."""
-        return np.column_stack([self.orbit, self.rotation])
+        return np.column_stack([self.orbital_speed, self.rotation])
 
     @property
-    def power(self) -> float:
+    def total_power_lost(self) -> float:
         """Power lost by all contacts [W]."""
         return float(self.loss.sum())
 
@@ -166,9 +166,9 @@ def ball_friction(
     q = np.full((n, 4), np.nan) if starting_motions is None else starting_motions[loaded]
     forces, rests, outcome = np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
     load_kernel_package(CONTACT, compiled=fast).least_dissipation_of_bodies(
-        rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome
+        rubs.semi_axes_and_bound, rubs.contact_motion_maps, rubs.imposed_contact_motions, q, forces, rests, outcome
     )
-    seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
+    seen = rubs.imposed_contact_motions + np.einsum("nirj,nj->nir", rubs.contact_motion_maps, q)
     seen[rests > 0.0] = 0.0
     rotate_to_groove_axes(pressed, seen)
     rotate_to_groove_axes(pressed, forces)
@@ -176,7 +176,7 @@ def ball_friction(
     rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
     every[loaded], motion[loaded], pull[loaded] = q, seen, -top * forces
     rest[loaded] = (rests > 0.0) & (pressed.force > 0.0)
-    left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
+    left = outcome[:, 1] / rubs.semi_axes_and_bound[..., 2].sum(axis=1)
     for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
         status[k] = STATUS[code] if off <= UNBALANCED else "failed"
     return friction_of_motions(contacts, every, motion, pull, rest, status, float(left.max(initial=0.0)))
@@ -228,7 +228,9 @@ def friction_contacts(
     SR, NL, NR ``(4,)``, or their ratios to the largest one; the friction bounds in the result are products of these and
     the forces. ``drive``: motion of the screw or nut that turns.
     """
-    maps, drives = ball_kinematics(scene, drive, scene.balls.radius).maps(contacts.normals, contacts.ball_radius)
+    maps, drives = ball_kinematics(scene, drive, scene.balls.radius).contact_kinematics(
+        contacts.normals, contacts.ball_radius
+    )
     for rows in (maps, drives):
         rows[~contacts.across] = _rotate_quarter_turn(rows[~contacts.across])
     return FrictionContacts(
@@ -271,9 +273,9 @@ def closing_speeds_of_neighbours(scene: Scene, contacts: StaticContacts, by_ball
     for k in range(starts):
         balls = np.arange(k * per_start, (k + 1) * per_start)
         order = balls[np.argsort(contacts.layout.azimuth[balls], kind="stable")]
-        closing[order[:-1]] = path.radius * (by_ball.orbit[order[:-1]] - by_ball.orbit[order[1:]])
+        closing[order[:-1]] = path.radius * (by_ball.orbital_speed[order[:-1]] - by_ball.orbital_speed[order[1:]])
         if scene.track.lead == 0.0 and per_start > 1:
-            closing[order[-1]] = path.radius * (by_ball.orbit[order[-1]] - by_ball.orbit[order[0]])
+            closing[order[-1]] = path.radius * (by_ball.orbital_speed[order[-1]] - by_ball.orbital_speed[order[0]])
     return closing
 
 
@@ -323,10 +325,10 @@ def surface_speeds_in_contacts(
         sliding by screw and nut while the ball rests ``(N, 4, k, 2)`` [m/s].
     """
     path = ball_kinematics(scene, drive, scene.balls.radius)
-    maps, drives = path.maps(contacts.normals, contacts.ball_radius)
+    maps, drives = path.contact_kinematics(contacts.normals, contacts.ball_radius)
     body = np.where(ON_SCREW, path.screw_speed, path.nut_speed)
     rolling = np.einsum(
-        "nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.turns
+        "nsi,ji->nsj", contact_axes(contacts.normals)[:, :, 0], path.ball_rotation_axes
     )  # Omega = rolling @ q - body part
     bend = 0.25 * curvature_factor * (1.0 / contacts.ball_radius[:, None] + 1.0 / nominal_groove_radii(scene))
     x, z, _ = hertz_pressure_quadrature()
@@ -414,13 +416,13 @@ def heathcote_loss_increase(
     drive
         Motion of the screw or nut that turns.
     """
-    balls = np.flatnonzero(np.isfinite(by_ball.orbit))
+    balls = np.flatnonzero(np.isfinite(by_ball.orbital_speed))
     if balls.size == 0:
         return float("nan")
     pressed, share = contacts.subset(balls), relative_coefficients(friction)[0]
     strength = share * pressed.force
-    start = np.column_stack([by_ball.orbit, by_ball.rotation])[balls]
-    seen = np.nan_to_num(by_ball.motion[balls])
+    start = np.column_stack([by_ball.orbital_speed, by_ball.rotation])[balls]
+    seen = np.nan_to_num(by_ball.contact_motions[balls])
     slide = float(np.sqrt(np.max(seen[..., 0] ** 2 + seen[..., 1] ** 2 + (pressed.a * seen[..., 2]) ** 2)))
     if slide == 0.0:
         return float("nan")

@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
-from rollbench.lowfi.compliance.parts import Backend
+from rollbench.lowfi.compliance.parts import ComplianceModel
 from rollbench.lowfi.friction.screw.groove import ON_SCREW
 from rollbench.lowfi.friction.screw.travel import BallState, ClosedTrack, InstantSolution
 from rollbench.lowfi.friction.whole.circuit import BallsInCircuits, SceneGrooves, solve_motion_on_track
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_solution
 from rollbench.lowfi.friction.whole.feedback import positions_in_grooves_with_errors, solve_friction_equilibrium
 from rollbench.lowfi.friction.whole.torque import axial_forces_and_moments, friction_displaces_balls
-from rollbench.lowfi.statics.nominal import ContactLoads, beam_loads, elastic_loads
+from rollbench.lowfi.statics.nominal import ContactLoads, contact_loads_by_beam_model, contact_loads_with_elastic_bodies
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import DrawnErrors, Specimen
+from rollbench.meshes.errors import ErrorsAfterDrawing, GeometryWithErrors
 from rollbench.meshes.helix import BallLayout, ball_layout_at_positions, lead_per_radian
 from rollbench.meshes.parts import Friction, Scene, Track
 from rollbench.meshes.parts import Motion as Drive
@@ -43,10 +43,10 @@ class ComplianceWindow(NamedTuple):
     #: Axial positions of the balls at the start of the window [m].
     z: Array
     #: Angle by which the balls travel from the first to the third position [rad], negative if they travel backwards.
-    length: float
+    travel_angle: float
     #: Compliance between the c contacts, each with two axes, at the three positions in this order, each ``(2 c, 2 c)``
     #: [m/N].
-    G: tuple[Array, Array, Array]
+    compliances: tuple[Array, Array, Array]
 
 
 @dataclass
@@ -60,11 +60,13 @@ class TravellingCompliance:
     """
 
     #: Length of a window [rad], with the sign of the balls' travel in the nut.
-    ahead: float
+    window_angle: float
     #: Windows computed so far; the key is body (whether screw), flanks and number of balls.
     windows: dict[tuple[object, ...], list[ComplianceWindow]] = field(default_factory=dict)
 
-    def __call__(self, scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int]) -> Array:
+    def __call__(
+        self, scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int]
+    ) -> Array:
         """Return the compliance of screw or nut between its c contacts, each with two axes ``(2 c, 2 c)`` [m/N].
 
         ``scene``: screw or bearing; ``layout``: present positions of the balls; ``screw``: whether the body is the screw
@@ -75,28 +77,30 @@ class TravellingCompliance:
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
         for window in known:
             moved = layout.azimuth - window.azimuth
-            share = float(np.mean(moved if rate == 0.0 else (layout.z - window.z) / rate)) / window.length
+            share = float(np.mean(moved if rate == 0.0 else (layout.z - window.z) / rate)) / window.travel_angle
             apart = np.abs(moved - moved.mean()).max()
             if apart <= APART and -BEYOND <= share <= 1.0 + BEYOND:
                 break
         else:
             share, window = (
                 0.0,
-                self.begin(layout, track, lambda place: compliance_between_contacts(scene, place, screw, backend, flanks)),
+                self.new_window(
+                    layout, track, lambda place: compliance_between_contacts(scene, place, screw, backend, flanks)
+                ),
             )
             known.append(window)
-        first, second, third = window.G
+        first, second, third = window.compliances
         left = 1.0 - share
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
-    def begin(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
+    def new_window(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
         """Return a new window that begins at the positions ``layout``, with the body's compliance at its three positions.
 
         The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix
         along which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the
         balls. Raises ValueError if this function does so even for the shortest window.
         """
-        rate, length = lead_per_radian(track), self.ahead
+        rate, length = lead_per_radian(track), self.window_angle
         while True:
             places = (
                 ball_layout_at_positions(track, layout.azimuth + s, layout.z + s * rate)
@@ -124,25 +128,28 @@ def load_solver_for_travelling_balls(model: str, travel_sense: float) -> Callabl
     """
     if model != "refined":
         return AGAIN[model]
-    return partial(elastic_loads, whole=TravellingCompliance(WINDOW * travel_sense))
+    return partial(contact_loads_with_elastic_bodies, whole=TravellingCompliance(WINDOW * travel_sense))
 
 
 #: Functions that compute the contact loads at each instant of a simulation over time, by the name of the static model.
-AGAIN: dict[str, Callable[..., ContactLoads]] = {"lin": beam_loads, "refined": elastic_loads}
+AGAIN: dict[str, Callable[..., ContactLoads]] = {
+    "lin": contact_loads_by_beam_model,
+    "refined": contact_loads_with_elastic_bodies,
+}
 
 #: A static model: function that returns the contact loads of balls with given errors at given positions.
-Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
+Solve = Callable[[GeometryWithErrors, BallLayout], StaticResult | ContactLoads]
 
 
 class LastInstant(NamedTuple):
     """Motions of N balls and forces on them at the previous instant, from which the next solution begins."""
 
     #: Motions of the balls, orbit and then three rotations ``(N, 4)`` [rad/s].
-    q: Array
+    ball_motions: Array
     #: Force of each ball on the next one ``(N,)`` [N].
-    force: Array
+    ball_forces: Array
     #: Friction that displaces the balls, on balls along x3 and z3 and on the screw along its axis ``(N, 3)`` [N].
-    push: Array
+    displacing_friction: Array
 
 
 @dataclass(frozen=True)
@@ -156,11 +163,11 @@ class SceneInMotion:
     #: Motion of the screw or nut that turns.
     drive: Drive
     #: Random errors of balls and grooves.
-    drawn: DrawnErrors
+    random_errors: ErrorsAfterDrawing
     #: Balls in their circuits.
     balls: BallsInCircuits
     #: Function that computes the contact loads of balls at given positions.
-    solve: Solve
+    solve_contact_loads: Solve
     #: Whether to use the compiled functions instead of plain Python.
     fast: bool = True
 
@@ -194,12 +201,14 @@ class SceneInMotion:
         """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
-        folded, loaded = self.balls.place(azimuth)
+        folded, loaded = self.balls.fold_into_circuits(azimuth)
         layout, on_arc = self.balls.layout(scene, folded, on_nut), np.flatnonzero(loaded)
         space, station = layout.azimuth[on_arc], layout.z[on_arc]
         arc_layout = ball_layout_at_positions(track, space, station)
-        met = self.drawn.at(scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[on_arc])
-        result = self.solve(met, arc_layout)
+        met = self.random_errors.geometry_at_balls(
+            scene, space - on_screw, space - on_nut - scene.nut.azimuth, station, self.balls.radius[on_arc]
+        )
+        result = self.solve_contact_loads(met, arc_layout)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:
             at = contacts_of_solution(scene, result, met, arc_layout)
@@ -208,8 +217,12 @@ class SceneInMotion:
                 fed = solve_friction_equilibrium(
                     scene, at, place, self.friction, self.drive, self.fast, push[on_arc], q[on_arc]
                 )
-                push[on_arc], at = fed.push, fed.at
-                status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
+                push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
+                status = (
+                    f"friction and place do not agree on {int(fed.failed_balls.sum())} balls"
+                    if fed.failed_balls.any()
+                    else status
+                )
         return contacts_of_all_balls(at, layout, on_arc, self.balls.radius, track.contact_angle), loaded, status
 
     @property
@@ -225,7 +238,7 @@ class SceneInMotion:
     @property
     def spacing(self) -> Array:
         """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
-        return self.balls.spacing
+        return self.balls.touching_spacing
 
     @property
     def number(self) -> NDArray[np.int64]:
@@ -248,7 +261,7 @@ class SceneInMotion:
         """
         if self.scene.track.lead == 0.0:
             return np.inf
-        return min(track.time_to_end(azimuth, omega) for track in self.tracks)
+        return min(track.time_to_arc_end(azimuth, omega) for track in self.tracks)
 
     def instant(self, azimuth: Array, time: float, slack: Array, memory: LastInstant) -> InstantSolution | str:
         """Return the contact loads and ball motions at one instant, or a text that says why no loads were found.
@@ -257,8 +270,8 @@ class SceneInMotion:
         ``slack``: largest rate at which each ball may approach the next one ``(N,)`` [rad/s], inf where they cannot
         touch; ``memory``: results at the previous instant, from which the searches begin.
         """
-        push = memory.push.copy()
-        at, loaded, status = self.contacts(azimuth, time, push, memory.q)
+        push = memory.displacing_friction.copy()
+        at, loaded, status = self.contacts(azimuth, time, push, memory.ball_motions)
         if status != "converged":
             return status
         moved = [
@@ -269,7 +282,7 @@ class SceneInMotion:
                 self.friction,
                 self.drive,
                 self.groove,
-                (memory.q[members], memory.force[members]),
+                (memory.ball_motions[members], memory.ball_forces[members]),
                 self.fast,
             )
             for members in (track.balls for track in self.tracks)
@@ -279,8 +292,8 @@ class SceneInMotion:
         if friction_displaces_balls(
             self.scene, self.friction
         ):  # contact loads that know of friction balance its axial force
-            axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.frames[:, :, 2]))
-        groove, ball, closing = (sum(parts) for parts in zip(*(m.losses for m in moved), strict=True))
+            axial += float(np.einsum("nsi,ni->", wrench[:, ON_SCREW, :3], at.section_axes[:, :, 2]))
+        groove, ball, closing = (sum(parts) for parts in zip(*(m.losses_by_cause for m in moved), strict=True))
         return InstantSolution(
             omega=q[:, 0] - self.groove.nut_speed,
             ball_force=force,

@@ -11,7 +11,7 @@ from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, solve_moti
 from rollbench.lowfi.friction.whole.contacts import StaticContacts, contacts_of_all_balls, contacts_of_result
 from rollbench.lowfi.friction.whole.feedback import (
     JAMMED,
-    balls_with_second_state,
+    balls_with_jammed_state,
     positions_in_grooves_of_result,
     solve_friction_equilibrium,
 )
@@ -22,7 +22,7 @@ from rollbench.lowfi.friction.whole.losses import (
     friction_of_motions,
 )
 from rollbench.lowfi.friction.whole.torque import (
-    ScrewTorque,
+    FrictionSums,
     compiling_saves_time,
     friction_displaces_balls,
     sum_friction_over_contacts,
@@ -46,15 +46,15 @@ class NeighbourFriction:
     """Friction of N balls, in the order of the scene, where neighbours that touch press on each other."""
 
     #: Motion and friction of the balls.
-    balls: BallFriction
+    ball_friction: BallFriction
     #: Force of a ball on the next one at the larger azimuth ``(N,)`` [N].
-    force: Array
+    force_on_next_ball: Array
     #: Power lost between touching balls [W].
-    power: float
+    power_lost_between_balls: float
     #: Number of pairs of neighbouring balls that touch.
-    touching: int
+    touching_pair_count: int
     #: Smallest gap between neighbours on the loaded arcs [m]; infinite if no ball has a neighbour.
-    least: float
+    smallest_gap: float
 
 
 def friction_with_neighbours(
@@ -80,7 +80,7 @@ def friction_with_neighbours(
     order = all_balls.number[on_arc]
     layout = all_balls.layout(scene, all_balls.azimuth)
     full = contacts_of_all_balls(contacts.subset(order), layout, on_arc, all_balls.radius, track.contact_angle)
-    gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
+    gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing_speed_factor
     slack = np.where(gap <= TOUCHING, 0.0, np.inf)
     least = np.inf
     q, force, status = np.full((order.size, 4), np.nan), np.zeros(order.size), ["no load"] * order.size
@@ -98,9 +98,9 @@ def friction_with_neighbours(
         kept, to = number >= 0, number[number >= 0]
         pressed = contacts.force[to].sum(axis=1) > 0.0
         q[to] = np.where(pressed[:, None], moved.q[kept], np.nan)
-        motion[to], pull[to], force[to] = moved.seen[kept], moved.pull[kept], moved.ball_force[kept]
+        motion[to], pull[to], force[to] = moved.contact_motions[kept], moved.contact_friction[kept], moved.ball_force[kept]
         power += float(moved.ball_loss.sum() + moved.closing_loss.sum())
-        left = max(left, moved.left)
+        left = max(left, moved.largest_unbalanced_force)
         for k in to[pressed]:
             status[k] = "balanced" if moved.converged else "failed"
     rest = np.zeros(contacts.force.shape, dtype=bool)
@@ -114,37 +114,37 @@ class FrictionState:
     """Friction of a whole screw or bearing at one instant, for given coefficients of friction of screw and nut."""
 
     #: Contacts of all balls.
-    at: StaticContacts
+    contacts: StaticContacts
     #: Motion and friction of every ball.
-    balls: BallFriction
+    ball_friction: BallFriction
     #: Torque, axial force and power of the friction, as sums over all balls.
-    torque: ScrewTorque
+    friction_sums: FrictionSums
     #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan without load or next
     #: ball.
-    closing: Array
+    closing_speeds: Array
     #: Torque, axial force and power as in ``torque``, but at the static contact loads, without the effect of friction on
     #: the loads.
-    bare: ScrewTorque
+    sums_without_feedback: FrictionSums
     #: Indices of balls for which friction and position could not be made to agree, in the given or in the reversed motion.
-    unsettled: tuple[int, ...]
+    unsettled_balls: tuple[int, ...]
     #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads (`FrictionEquilibrium.change`).
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
-    coupled: bool
+    friction_changes_loads: bool
     #: Forces and losses between touching balls; None if they are not requested.
-    neighbours: NeighbourFriction | None = None
+    neighbour_friction: NeighbourFriction | None = None
     #: Indices of balls for which a second, jammed state was found; None if it was not searched for.
-    second: tuple[int, ...] | None = None
+    jammed_balls: tuple[int, ...] | None = None
 
     @property
     def all_balanced(self) -> bool:
         """Whether the friction of every ball is in balance and agrees with the ball's position in its grooves."""
-        return self.balls.converged and not self.unsettled
+        return self.ball_friction.converged and not self.unsettled_balls
 
     @property
     def loaded(self) -> bool:
         """Whether any contact carries load."""
-        return bool(np.any(self.at.force > 0.0))
+        return bool(np.any(self.contacts.force > 0.0))
 
 
 def friction_state(
@@ -208,23 +208,27 @@ def friction_state(
         there, back = (
             solve_friction_equilibrium(scene, at, place, friction, d, fast) for d in (drive, reversed_motion(drive))
         )
-        still, at, at_back, balls = at, there.at, back.at, there.friction
+        still, at, at_back, balls = at, there.contacts, back.contacts, there.friction
         torque = replace(
-            sum_friction_over_contacts(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power
+            sum_friction_over_contacts(scene, at, balls, drive, coupled=True), reverse_power=back.friction.total_power_lost
         )
-        change = max(there.change, back.change)
-        unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
+        change = max(there.largest_imbalance_ratio, back.largest_imbalance_ratio)
+        unsettled = tuple(int(k) for k in np.flatnonzero(there.failed_balls | back.failed_balls))
         if max(friction.screw, friction.nut) >= JAMMED:
-            second = balls_with_second_state(scene, place, still, there, friction, drive, fast)
+            second = balls_with_jammed_state(scene, place, still, there, friction, drive, fast)
     touching: NeighbourFriction | None = None
     if pushed:
         ways = ((at, drive), (at_back, reversed_motion(drive)))
         touching, back_again = (
             friction_with_neighbours(scene, contacts, friction, d, member, fast) for contacts, d in ways
         )
-        balls = touching.balls
+        balls = touching.ball_friction
         sums = sum_friction_over_contacts(scene, at, balls, drive, coupled=coupled)
-        torque = replace(sums, power=sums.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
+        torque = replace(
+            sums,
+            power=sums.power + touching.power_lost_between_balls,
+            reverse_power=back_again.ball_friction.total_power_lost + back_again.power_lost_between_balls,
+        )
     closing = closing_speeds_of_neighbours(scene, at, balls, drive)
     return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 

@@ -38,7 +38,7 @@ ROUND_OFF = 1e-6
 
 
 @dataclass(frozen=True)
-class ScrewTorque:
+class FrictionSums:
     """Torque, axial force and power of the friction of a screw or bearing, summed over all balls.
 
     Forces are positive along +z, torques and angles about +z.
@@ -47,25 +47,25 @@ class ScrewTorque:
     #: Angular speed of the screw relative to the nut [rad/s].
     speed: float
     #: Advance per angle, lead/(2 pi) [m/rad], negative for a left-hand thread.
-    ratio: float
+    advance_per_radian: float
     #: External axial load on the screw that the contacts balance [N].
-    load: float
+    axial_load: float
     #: Power lost in the contacts [W].
     power: float
     #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
-    pull: float
+    axial_friction_on_screw: float
     #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. It contains
     #: the moments about the axis and the axial forces of all contacts, normal forces included.
-    helical: tuple[float, float]
+    helical_work_per_radian: tuple[float, float]
     #: Largest ratio, of all balls, of the friction in the plane of a ball's groove section to its largest contact load.
-    tilt: float
+    cross_groove_friction_ratio: float
     #: Sum of all contact loads [N].
-    carried: float
+    contact_load_sum: float
     #: Power lost in the reversed motion [W]; it differs from ``power`` if friction changes the contact loads.
     reverse_power: float
 
     @property
-    def friction(self) -> float:
+    def friction_torque(self) -> float:
         """Friction torque on the screw, which is the power lost divided by the angular speed [N m].
 
         On the nut it has the opposite sign.
@@ -73,38 +73,38 @@ class ScrewTorque:
         return self.power / abs(self.speed)
 
     @property
-    def on_screw(self) -> float:
+    def driving_torque_on_screw(self) -> float:
         """Torque about +z that drives the screw at this speed, friction included [N m]; negative if it brakes the screw.
 
         The torque on the nut is the opposite one.
         """
-        return self.power / self.speed - self.ratio * self.load
+        return self.power / self.speed - self.advance_per_radian * self.axial_load
 
     @property
     def input_power(self) -> float:
         """Power that the contacts take from screw and nut [W]: forces and moments on both times their motions."""
-        return self.helical[0] * self.speed
+        return self.helical_work_per_radian[0] * self.speed
 
     @property
     def moves_axial_load(self) -> bool:
         """Whether the rotation moves an axial load: the lead is not zero, and the load is more than round-off."""
-        return self.ratio != 0.0 and abs(self.load) > ROUND_OFF * self.carried
+        return self.advance_per_radian != 0.0 and abs(self.axial_load) > ROUND_OFF * self.contact_load_sum
 
     @property
     def frictionless_torque(self) -> float:
         """Torque that balances the axial load without friction [N m]."""
-        return abs(self.ratio * self.load)
+        return abs(self.advance_per_radian * self.axial_load)
 
     @property
-    def forward(self) -> float:
+    def forward_torque(self) -> float:
         """Torque that moves the screw against the axial load, friction included [N m]."""
-        with_load = self.load * self.ratio * self.speed > 0.0
+        with_load = self.axial_load * self.advance_per_radian * self.speed > 0.0
         return self.frictionless_torque + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
     @property
-    def backward(self) -> float:
+    def backward_torque(self) -> float:
         """Braking torque of the screw while the axial load drives it back [N m]; negative: the screw must be driven."""
-        with_load = self.load * self.ratio * self.speed > 0.0
+        with_load = self.axial_load * self.advance_per_radian * self.speed > 0.0
         return self.frictionless_torque - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
     @property
@@ -115,24 +115,24 @@ class ScrewTorque:
         """
         if not self.moves_axial_load:
             return float("nan"), float("nan")
-        return self.frictionless_torque / self.forward, self.backward / self.frictionless_torque
+        return self.frictionless_torque / self.forward_torque, self.backward_torque / self.frictionless_torque
 
     @property
     def is_self_locking(self) -> bool:
         """Whether friction locks the screw, so that the axial load cannot drive it."""
-        return self.moves_axial_load and self.backward <= 0.0
+        return self.moves_axial_load and self.backward_torque <= 0.0
 
 
 def sum_friction_over_contacts(
     scene: Scene, contacts: StaticContacts, by_ball: BallFriction, drive: Motion, coupled: bool = False
-) -> ScrewTorque:
+) -> FrictionSums:
     """Return torque, axial force and power of the friction of a scene, as sums over all contacts.
 
     ``scene``: screw or bearing; ``contacts``: contacts of its balls; ``by_ball``: friction of each ball; ``drive``: motion
     of the screw or nut that turns; ``coupled``: whether contact loads and friction together balance the axial load (True),
     or the contact loads alone (False).
     """
-    normals, frames = contacts.normals, contacts.frames
+    normals, frames = contacts.normals, contacts.section_axes
     friction = by_ball.wrench(normals)
     total = friction.copy()
     total[..., :3] -= contacts.force[..., None] * normals
@@ -145,16 +145,16 @@ def sum_friction_over_contacts(
     loaded = most > 0.0
     tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
     pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
-    return ScrewTorque(
+    return FrictionSums(
         speed=speed,
-        ratio=ratio,
-        load=-contacts.axial_force - (float(pull) if coupled else 0.0),
-        power=by_ball.power,
-        pull=float(pull),
-        reverse_power=by_ball.power,
-        helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
-        tilt=float(tilt.max(initial=0.0)),
-        carried=float(contacts.force.sum()),
+        advance_per_radian=ratio,
+        axial_load=-contacts.axial_force - (float(pull) if coupled else 0.0),
+        power=by_ball.total_power_lost,
+        axial_friction_on_screw=float(pull),
+        reverse_power=by_ball.total_power_lost,
+        helical_work_per_radian=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
+        cross_groove_friction_ratio=float(tilt.max(initial=0.0)),
+        contact_load_sum=float(contacts.force.sum()),
     )
 
 
@@ -164,7 +164,7 @@ def axial_forces_and_moments(contacts: StaticContacts, wrench: Array) -> tuple[A
     ``contacts``: contacts of the N balls; ``wrench``: force (first three components) and moment at each contact in the
     axes x3 (radial), y3 (along the track), z3 (binormal) of the ball's section ``(N, 4, 6)`` [N, N m].
     """
-    turn = contacts.frames
+    turn = contacts.section_axes
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
     arm = (

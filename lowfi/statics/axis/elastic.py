@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, cho_factor, cho_solve
 
 from rollbench.lowfi.compliance.bodies import ball_compliance, body_compliance
-from rollbench.lowfi.compliance.parts import REFINED, Backend, grooved_section, reduce_to_compliance_geometry
+from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics.axis.solve import (
     AssemblyEquations,
     AssemblyModel,
-    inner_flank_motions_by_set,
+    screw_flank_motions_per_rigid_motion,
     solve_assembly,
     solve_assembly_by_model,
     stiffness_from_compliance,
@@ -34,40 +34,40 @@ from rollbench.lowfi.statics.axis.system import (
     BallSet,
     RollerElements,
     assembly_residual_scale,
+    body_of_reported_stiffness,
     contact_states_of_sets,
     pad_to_two_bodies,
-    reported_body_number,
+    replace_lever_arms,
     roller_elements,
-    roller_springs,
-    typical_force,
-    with_lever_arms,
+    starting_spring_factors_of_rollers,
+    typical_contact_force,
 )
-from rollbench.lowfi.statics.contacts import error_free_hertz, oblique_term
+from rollbench.lowfi.statics.contacts import hertz_without_errors, oblique_pressure_coefficient
 from rollbench.lowfi.statics.elastic import CONDENSED
-from rollbench.lowfi.statics.kernel_types import BallContacts, Bodies, BodySystem, ForceState, MotionState
+from rollbench.lowfi.statics.kernel_types import BallContacts, BodySystem, ElasticBodies, ForceState, MotionState
 from rollbench.lowfi.statics.problem import Problem
 from rollbench.lowfi.statics.response import (
     LARGEST,
-    contact_compliance,
     contact_normals,
     order_ball_by_ball,
-    spring_rows,
+    starting_spring_factors,
+    tangent_compliance_of_contact,
     typical_axes,
     without_negative_eigenvalues,
 )
 from rollbench.lowfi.statics.result import AxisResult
-from rollbench.lowfi.statics.settle import ContactState, ModelDescription, least_residual, solver_options
+from rollbench.lowfi.statics.settle import ContactState, ModelDescription, residual_by_round_off, solver_options
 from rollbench.lowfi.statics.shaft import (
     SectionForceCoupling,
-    Shaft,
+    ShaftBeam,
     build_shaft,
+    build_shaft_stretch,
     couple_section_forces,
+    flank_compliance_and_free_motions,
     flank_motions_by_loads,
-    flank_response,
     nodal_loads_of_flank_forces,
     node_forces,
     node_motions,
-    stretch_of,
 )
 from rollbench.lowfi.statics.shape import independent_columns
 from rollbench.lowfi.statics.static import Engine
@@ -102,26 +102,26 @@ class Housings:
 
     #: Indices of the degrees of freedom that are free in the stiffness matrix: neither supported nor fixed against a rigid
     #: motion.
-    free: NDArray[np.int64]
+    free_dof_indices: NDArray[np.int64]
     #: Cholesky factor of the stiffness matrix of the free degrees of freedom; None: there are none.
-    factor: tuple[Array, bool] | None
+    stiffness_factor: tuple[Array, bool] | None
     #: Stiffness matrix of all degrees of freedom ``(6 m, 6 m)``.
     stiffness: Array
     #: Rigid motions ``(6 m, k)`` that no spring resists, per metre of amplitude.
-    motions: Array
+    free_rigid_motions: Array
     #: Motions ``(6 m,)`` [m, rad] of the housings that external loads and prescribed displacements cause.
-    given: Array
+    motions_by_external_loads: Array
     #: Work of the external loads on the k rigid motions that no spring resists, per metre of amplitude ``(k,)`` [N].
-    work: Array
+    work_on_free_motions: Array
 
-    def solve(self, loads: Array) -> Array:
+    def motions_under_loads(self, loads: Array) -> Array:
         """Return the housings' motions ``(6 m, c)`` [m, rad] under c load cases ``loads`` ``(6 m, c)`` [N, N m].
 
         Prescribed displacements and rigid motions that no spring resists are taken as zero.
         """
         out = np.zeros_like(loads)
-        if self.factor is not None:
-            out[self.free] = cho_solve(self.factor, loads[self.free])
+        if self.stiffness_factor is not None:
+            out[self.free_dof_indices] = cho_solve(self.stiffness_factor, loads[self.free_dof_indices])
         return out
 
 
@@ -131,55 +131,57 @@ class ElasticAssemblyEquations(AssemblyEquations):
 
     SOLVER = "solve_forces"
     #: Arrays of bodies and rolling elements for the kernels.
-    given: BodySystem
+    kernel_arrays: BodySystem
     #: Unknowns of the iteration: contact forces, free rigid motions of the bodies (which only contacts resist), contacts.
     state: ForceState
     #: Method by which the compliance of screws, nuts and balls is computed.
-    backend: Backend
+    backend: ComplianceModel
     #: All balls and rollers as one contact problem on the shaft.
-    whole: Problem
+    combined_problem: Problem
     #: Beam of the shaft.
-    shaft: Shaft
+    shaft: ShaftBeam
     #: The moving housings.
     housings: Housings
     #: Motions ``(4 N, 6 m)`` of the flanks of nuts and outer rings per unit motion of the housings.
-    on_housings: Array
+    outer_flank_motions_by_housings: Array
     #: Motions ``(4 N, 6 m)`` of the flanks of inner rings that housings carry, per unit motion of the housings.
-    carried: Array
+    inner_flank_motions_by_housings: Array
     #: For each ball bearing or nut, the compliance matrices of its screw (or inner ring) and nut (or outer ring) under its
     #: own contact forces, ``(4 n, 4 n)`` [m/N] for its n balls.
-    own: list[tuple[Array, Array]]
+    own_compliances_of_sets: list[tuple[Array, Array]]
     #: Assumptions about the bodies, as sentences for the report.
     assumed: tuple[str, ...]
     #: Change of the contacts' approach by the shaft's section forces; None: not modelled.
-    squeeze: SectionForceCoupling | None
+    section_force_coupling: SectionForceCoupling | None
 
-    def flanks(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        return contact_states_of_sets(self.system, self.row_states()[0], self.shifts())
+        return contact_states_of_sets(self.assembly_arrays, self.motions_and_reactions()[0], self.flank_motions())
 
-    def with_arms(self, arms: Sequence[Array]) -> Self:
+    def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
 
         ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors; contact forces act through these centres.
         """
         longer: Any = elastic_assembly_equations(
-            with_lever_arms(self.system, arms), self.backend, self.engine
+            replace_lever_arms(self.assembly_arrays, arms), self.backend, self.engine
         ).copy_state_from(self)
         return longer  # type: ignore[no-any-return]
 
-    def round_off(self) -> float:
+    def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave, from the largest motion and the stiffest contact."""
-        state, v0 = self.state, self.given.bodies.v0
-        motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.inner[:, :2]).max(initial=0.0))
-        return least_residual(motion, float(state.contact[..., 3].max(initial=0.0)), self.scale, self.problems)
+        state, v0 = self.state, self.kernel_arrays.bodies.v0
+        motion = 2.0 * float(np.abs(v0).max(initial=0.0)) + float(np.abs(state.ball_unknowns[:, :2]).max(initial=0.0))
+        return residual_by_round_off(
+            motion, float(state.contact[..., 3].max(initial=0.0)), self.residual_force_scale, self.problems
+        )
 
-    def description(self) -> ModelDescription:
+    def model_description(self) -> ModelDescription:
         """Return the formulation, number of unknowns and assumptions of the model for the record of the solution."""
         return ModelDescription(CONDENSED, self.state.phi.size + self.state.a.size, self.assumed)
 
-    def forces(self) -> Array:
+    def forces_on_flanks(self) -> Array:
         """Return the ball forces on the flanks ``(N, 4, 2)`` [N] with which the elastic bodies are in equilibrium.
 
         They differ by the residual of the iteration from the forces that the contact law gives. The latter must not be used
@@ -187,57 +189,66 @@ class ElasticAssemblyEquations(AssemblyEquations):
         """
         return self.state.phi.reshape(-1, 4, 2)
 
-    def shifts(self) -> Array:
+    def flank_motions(self) -> Array:
         """Return the motions of all flanks ``(N, 4, 2)`` [m] in the present state, in the balls' section planes.
 
         They consist of deformations of the bodies, their free rigid motions (which only contacts resist), and the
         prescribed offsets of nuts and outer rings.
         """
-        bodies, forces = self.given.bodies, self.forces()
+        bodies, forces = self.kernel_arrays.bodies, self.forces_on_flanks()
         N = len(forces)
         out = (bodies.v0 + bodies.R @ self.state.a).reshape(N, 4, 2)
-        for G, half in ((bodies.first, slice(2)), (bodies.second, slice(2, 4))):
+        for G, half in ((bodies.first_compliance, slice(2)), (bodies.second_compliance, slice(2, 4))):
             out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
         return np.asarray(out)
 
-    def row_states(self) -> tuple[MotionState, Array]:
+    def motions_and_reactions(self) -> tuple[MotionState, Array]:
         """Return the present state (motions of shaft nodes and housings, ball centres, contacts), and support reactions.
 
         The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
         """
-        system, shaft = self.system, self.shaft
-        structure, forces = system.structure, self.forces()
-        n, k = structure.nodes.size, shaft.work.size
+        system, shaft = self.assembly_arrays, self.shaft
+        structure, forces = system.structure, self.forces_on_flanks()
+        n, k = structure.nodes.size, shaft.work_on_free_motions.size
         pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
-        q = np.zeros((structure.stations.size, 6))
-        by_flanks = nodal_loads_of_flank_forces(self.whole, pushes, [0, 1])
-        if self.squeeze is not None:
-            by_flanks += self.squeeze.nodal_loads_of_jumps(pushes.ravel())
+        q = np.zeros((structure.body_positions.size, 6))
+        by_flanks = nodal_loads_of_flank_forces(self.combined_problem, pushes, [0, 1])
+        if self.section_force_coupling is not None:
+            by_flanks += self.section_force_coupling.nodal_loads_of_jumps(pushes.ravel())
         q[:n] = node_motions(shaft, by_flanks, self.state.a[:k])
-        on_outer = self.on_housings.T @ forces[:, 2:].ravel() + self.carried.T @ forces[:, :2].ravel()
+        on_outer = (
+            self.outer_flank_motions_by_housings.T @ forces[:, 2:].ravel()
+            + self.inner_flank_motions_by_housings.T @ forces[:, :2].ravel()
+        )
         h = self.housings
-        outer = h.given + h.solve(on_outer[:, None])[:, 0] + h.motions @ self.state.a[k:]
+        outer = (
+            h.motions_by_external_loads
+            + h.motions_under_loads(on_outer[:, None])[:, 0]
+            + h.free_rigid_motions @ self.state.a[k:]
+        )
         q[n:] = outer.reshape(-1, 6)
         loads = structure.load.copy()
         loads[:n] += by_flanks.reshape(-1, 6)
         loads[n:] += on_outer.reshape(-1, 6)
         taken = np.concatenate([node_forces(shaft, by_flanks), (h.stiffness @ outer).reshape(-1, 6)])
         held = np.where(structure.fixed, taken - loads, 0.0)
-        slices = np.zeros((system.slices.drop.size, 2))
-        self.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
-        if self.squeeze is not None:
-            q[:n] = self.squeeze.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
-        state = MotionState(q, np.zeros((n - 1, 6)), self.state.inner[:, :2], self.state.contact, slices)
+        slices = np.zeros((system.roller_slice_arrays.gap.size, 2))
+        self.engine.roller_forces(system.roller_slice_arrays, q, slices, np.zeros_like(q))
+        if self.section_force_coupling is not None:
+            q[:n] = self.section_force_coupling.add_jumps_inside_stretches(q[:n], pushes, structure.fixed[:n])
+        state = MotionState(q, np.zeros((n - 1, 6)), self.state.ball_unknowns[:, :2], self.state.contact, slices)
         return state, held
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each bearing or nut, and of the assembly.
 
         The second entry is taken at the reported shaft node or housing; None if nothing resists some motion there
-        (`elastic_stiffness`).
+        (`stiffness_of_elastic_assembly`).
         """
         S = square_root_stiffness_of_balls(self)
-        return [own_stiffness(self, i, b, S) for i, b in enumerate(self.system.balls)], elastic_stiffness(self, S)
+        return [
+            stiffness_of_elastic_nut_or_bearing(self, i, b, S) for i, b in enumerate(self.assembly_arrays.ball_sets)
+        ], stiffness_of_elastic_assembly(self, S)
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
@@ -251,9 +262,11 @@ def housings_of(structure: Structure, arm: float) -> Housings:
         Length [m] by which rotations are multiplied to be comparable with translations, in the search for motions that no
         spring resists.
     """
-    n, m = structure.nodes.size, structure.at.size
+    n, m = structure.nodes.size, structure.housing_positions.size
     K = np.zeros((6 * m, 6 * m))
-    for ends, reach, stiffness in zip(structure.ends, structure.reach, structure.springs, strict=True):
+    for ends, reach, stiffness in zip(
+        structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True
+    ):
         J = np.zeros((6, 6 * m))
         for e, row in enumerate(ends):
             if row >= 0:
@@ -273,19 +286,23 @@ def housings_of(structure: Structure, arm: float) -> Housings:
     given = np.where(held, prescribed, 0.0)
     factor = cho_factor(K[np.ix_(free, free)], lower=True) if free.size else None
     found = Housings(free, factor, K, motions, given, motions.T @ load)
-    return replace(found, given=given + found.solve((load - K @ given)[:, None])[:, 0])
+    return replace(found, motions_by_external_loads=given + found.motions_under_loads((load - K @ given)[:, None])[:, 0])
 
 
-def problem_moved_by_shaft_only(b: BallSet) -> Problem:
-    """Return the contact problem of the ball nut or bearing ``b``, in which only the shaft moves the flanks SL and SR.
+def problem_moved_by_shaft_only(ball_set: BallSet) -> Problem:
+    """Return the contact problem of a ball nut or bearing, in which only the shaft moves the flanks SL and SR.
 
     If a housing in place of the shaft carries the inner ring, the coefficients of the motions of SL and SR are zero.
     """
-    p = b.problem
-    return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
+    p = ball_set.problem
+    return (
+        p
+        if ball_set.rolling_set.carrier is None
+        else replace(p, first_nodes=np.zeros_like(p.first_nodes), B=np.zeros_like(p.B))
+    )
 
 
-def grooved_shaft_section(assembly: Assembly, backend: Backend) -> BeamSection | None:
+def grooved_shaft_section(assembly: Assembly, backend: ComplianceModel) -> BeamSection | None:
     """Return the cross-section of the threaded shaft with its groove; None: the one from the assembly's dimensions.
 
     Parameters
@@ -306,25 +323,25 @@ def combined_problem(system: AssemblyArrays, rollers: RollerElements) -> Problem
     first ball bearing or nut and are not valid for the others. ``system``: arrays of the assembly; ``rollers``: its rollers
     as elements between rigid rings.
     """
-    s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.balls]
+    s, problems = system.structure, [problem_moved_by_shaft_only(b) for b in system.ball_sets]
     first = problems[0]
     on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
-    at_cones = np.repeat(rollers.node[:, None], 2, axis=1)
+    at_cones = np.repeat(rollers.cone_nodes[:, None], 2, axis=1)
     at_cones, on_cones = pad_to_two_bodies(at_cones, on_cones, first.B.shape[3], s.nodes.size)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
-        node=np.concatenate([*(p.node for p in problems), at_cones]),
+        first_nodes=np.concatenate([*(p.first_nodes for p in problems), at_cones]),
         B=np.concatenate([*(p.B for p in problems), on_cones]),
-        geometry=system.contacts.geometry,
-        closure=system.contacts.closure,
-        use=np.ones(4, dtype=bool),
-        sections=s.sections,
+        geometry=system.ball_arrays.geometry,
+        interference=system.ball_arrays.interference,
+        used_flanks=np.ones(4, dtype=bool),
+        element_sections=s.sections,
     )
 
 
 def compliance_of_screw_and_nut(
-    b: BallSet, backend: Backend, force: float
+    ball_set: BallSet, backend: ComplianceModel, force: float
 ) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
     """Return the compliance of screw and nut of one ball nut, or of the rings of one bearing, and further contact terms.
 
@@ -332,7 +349,7 @@ def compliance_of_screw_and_nut(
 
     Parameters
     ----------
-    b
+    ball_set
         The ball nut or bearing, with N balls.
     backend
         Method by which the compliance of screw, nut and balls is computed.
@@ -346,22 +363,35 @@ def compliance_of_screw_and_nut(
         terms e F and h F^(4/3) in the approach of each contact; decrease of the approach at each flank by a unit amplitude
         of the ball's deformation ``(4,)``, which couples opposite contacts; assumptions as sentences.
     """
-    problem, scene = b.problem, b.problem.scene
+    problem, scene = ball_set.problem, ball_set.problem.scene
     N, layout = problem.layout.z.size, problem.layout
     axes, size = typical_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
-    oblique = oblique_term(error_free_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
+    oblique = (
+        oblique_pressure_coefficient(hertz_without_errors(scene), scene.balls.radius)
+        if backend.ball == "sphere"
+        else np.zeros(4)
+    )
     e, h, blocks, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     for screw in (True, False):
         sides = (0, 1) if screw else (2, 3)
-        carried = screw and b.of.carrier is not None
+        carried = screw and ball_set.rolling_set.carrier is not None
         body = body_compliance(scene, layout, screw, replace(backend, screw="beam") if carried else backend, axes)
-        assumed += [x for x in body.assumed if x not in assumed]
-        slope = body.slope + ball.slope
-        e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
+        assumed += [x for x in body.assumed_dimensions if x not in assumed]
+        slope = body.contact_compliance_slope + ball.contact_compliance_slope
+        e[:, sides], h[:, sides] = (
+            body.contact_compliance + ball.contact_compliance - slope,
+            oblique[list(sides)] + slope / size,
+        )
         order = order_ball_by_ball(N, 2)
         blocks.append(body.G[np.ix_(order, order)])
-    return (blocks[0], blocks[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
+    return (
+        (blocks[0], blocks[1]),
+        e,
+        h,
+        ball.pair_coupling_root * np.array([1.0, ball.pair_coupling_sign, ball.pair_coupling_sign, 1.0]),
+        tuple(assumed),
+    )
 
 
 def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -> tuple[Array, Array]:
@@ -371,20 +401,22 @@ def flank_motions_by_housings(system: AssemblyArrays, rollers: RollerElements) -
     that a housing carries. The rows are two flanks with two components for each of N rolling elements: balls come first,
     then ``rollers``, whose outer flank is the cup. ``system``: arrays of the assembly.
     """
-    n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
+    n, m, balls = system.structure.nodes.size, system.structure.housing_positions.size, system.ball_arrays.r_ball.size
     outer, inner = np.zeros((2, balls + rollers.count, 2, 2, 6 * m))
-    for b in system.balls:
-        carrier = -1 if b.of.carrier is None else int(b.problem.node[0, 0])
-        for rows, row, flanks in ((outer, b.outer, slice(2, 4)), (inner, carrier, slice(2))):
+    for b in system.ball_sets:
+        carrier = -1 if b.rolling_set.carrier is None else int(b.problem.first_nodes[0, 0])
+        for rows, row, flanks in ((outer, b.outer_body_row, slice(2, 4)), (inner, carrier, slice(2))):
             if row >= 0:
-                rows[b.balls, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.coefficients_of_one_body(flanks)
-    for i in np.flatnonzero(rollers.outer >= 0):
-        j = 6 * (int(rollers.outer[i]) - n)
+                rows[b.ball_indices, :, :, 6 * (row - n) : 6 * (row - n) + 6] = b.coefficients_of_one_body(flanks)
+    for i in np.flatnonzero(rollers.cup_body_rows >= 0):
+        j = 6 * (int(rollers.cup_body_rows[i]) - n)
         outer[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
     return outer.reshape(4 * len(outer), 6 * m), inner.reshape(4 * len(inner), 6 * m)
 
 
-def elastic_assembly_equations(system: AssemblyArrays, backend: Backend, engine: ModuleType) -> ElasticAssemblyEquations:
+def elastic_assembly_equations(
+    system: AssemblyArrays, backend: ComplianceModel, engine: ModuleType
+) -> ElasticAssemblyEquations:
     """Return the equations of an assembly with elastic bodies.
 
     Parameters
@@ -403,93 +435,95 @@ def elastic_assembly_equations(system: AssemblyArrays, backend: Backend, engine:
         If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` rolling elements, or a
         body has impossible dimensions.
     """
-    rollers = roller_elements(system.rollers)
-    balls = system.contacts.r_ball.size
+    rollers = roller_elements(system.roller_sets)
+    balls = system.ball_arrays.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
         raise ValueError(f"elastic bodies are allowed with at most {LARGEST} balls and rollers, got {N}; use the model lin")
     whole, s = combined_problem(system, rollers), system.structure
-    shaft, housings = build_shaft(whole), housings_of(s, system.arm)
+    shaft, housings = build_shaft(whole), housings_of(s, system.moment_arm)
     order = order_ball_by_ball(N, 2)
-    (beam, rigid), moved = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
+    (beam, rigid), moved = flank_compliance_and_free_motions(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
     stretches = [
-        stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls)
-        for b in system.balls
-        if b.of.carrier is None
+        build_shaft_stretch(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.ball_indices)
+        for b in system.ball_sets
+        if b.rolling_set.carrier is None
     ]
     squeeze = couple_section_forces(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
     if squeeze is not None:
-        beam, moved = beam + squeeze.added, moved + squeeze.moved
-    forces = [typical_force(system, b) for b in system.balls]
-    parts = [compliance_of_screw_and_nut(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
+        beam, moved = beam + squeeze.added_compliance, moved + squeeze.flank_motions_by_loads
+    forces = [typical_contact_force(system, b) for b in system.ball_sets]
+    parts = [compliance_of_screw_and_nut(b, backend, x) for b, x in zip(system.ball_sets, forces, strict=True)]
     flat, carried = flank_motions_by_housings(system, rollers)
-    if np.any(carried @ housings.solve(carried.T)):
+    if np.any(carried @ housings.motions_under_loads(carried.T)):
         raise ValueError(
             "an inner ring sits on a housing that stands on springs: the motion of the housing couples inner and outer "
             "flanks, which the model with elastic bodies cannot represent; use the model lin"
         )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
-    compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
-    normals = np.concatenate([contact_normals(system.contacts.geometry), np.zeros((rollers.count, 4, 2))])
+    compliance = min(tangent_compliance_of_contact(b.problem, x) for b, x in zip(system.ball_sets, forces, strict=True))
+    normals = np.concatenate([contact_normals(system.ball_arrays.geometry), np.zeros((rollers.count, 4, 2))])
     (first, on_inner, low), (second, on_outer, high) = (
         without_negative_eigenvalues(G + block_diag(*(p[0][k] for p in parts), rigid_rings), n.reshape(-1, 2), compliance)
         for k, (G, n) in enumerate(
-            ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.solve(flat.T), normals[:, 2:]))
+            ((beam[np.ix_(order, order)], normals[:, :2]), (flat @ housings.motions_under_loads(flat.T), normals[:, 2:]))
         )
     )
-    v0, k = np.zeros((N, 4, 2)), shaft.work.size
-    R = np.zeros((N, 4, 2, k + housings.work.size))
+    v0, k = np.zeros((N, 4, 2)), shaft.work_on_free_motions.size
+    R = np.zeros((N, 4, 2, k + housings.work_on_free_motions.size))
     v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
-    v0[:, :2] += (carried @ housings.given).reshape(N, 2, 2)
-    R[:, :2, :, k:] = (carried @ housings.motions).reshape(N, 2, 2, -1)
-    v0[:, 2:] = (flat @ housings.given).reshape(N, 2, 2)
-    v0[:balls, 2:] += system.contacts.v0[:, 2:]
-    R[:, 2:, :, k:] = (flat @ housings.motions).reshape(N, 2, 2, -1)
+    v0[:, :2] += (carried @ housings.motions_by_external_loads).reshape(N, 2, 2)
+    R[:, :2, :, k:] = (carried @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
+    v0[:, 2:] = (flat @ housings.motions_by_external_loads).reshape(N, 2, 2)
+    v0[:balls, 2:] += system.ball_arrays.v0[:, 2:]
+    R[:, 2:, :, k:] = (flat @ housings.free_rigid_motions).reshape(N, 2, 2, -1)
     local = np.zeros((balls, 4, 3))
-    for b, p in zip(system.balls, parts, strict=True):
-        local[b.balls, :, 0], local[b.balls, :, 2], local[b.balls, :, 1] = p[1], p[2], p[3]
+    for b, p in zip(system.ball_sets, parts, strict=True):
+        local[b.ball_indices, :, 0], local[b.ball_indices, :, 2], local[b.ball_indices, :, 1] = p[1], p[2], p[3]
     local[..., 0] -= np.concatenate([on_inner.reshape(N, 2), on_outer.reshape(N, 2)], axis=1)[:balls]
-    work = np.concatenate([shaft.work, housings.work])
-    bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
+    work = np.concatenate([shaft.work_on_free_motions, housings.work_on_free_motions])
+    bodies = ElasticBodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work)
     scale = assembly_residual_scale(system)
-    used = system.contacts.geometry[..., 5] > 0.0
+    used = system.ball_arrays.geometry[..., 5] > 0.0
     springs = np.concatenate(
         [
-            spring_rows(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
-            roller_springs(rollers.count, scale.stiffness),
+            starting_spring_factors(whole, None, scale.stiffness) * used[:, None, :].repeat(2, axis=2),
+            starting_spring_factors_of_rollers(rollers.count, scale.stiffness),
         ]
     )
-    options = solver_options(scale, system.arm, float(system.contacts.r_ball.max()))
+    options = solver_options(scale, system.moment_arm, float(system.ball_arrays.r_ball.max()))
     contacts = BallContacts(
-        geometry=system.contacts.geometry,
-        closure=system.contacts.closure,
-        local=local,
-        r_ball=system.contacts.r_ball,
-        profile=system.contacts.profile,
-        pair=np.zeros((balls, 7)),
-        rollers=rollers.contacts,
-        tiny=scale.none,
+        geometry=system.ball_arrays.geometry,
+        interference=system.ball_arrays.interference,
+        compliance_terms=local,
+        r_ball=system.ball_arrays.r_ball,
+        profile=system.ball_arrays.profile,
+        flank_pair_data=np.zeros((balls, 7)),
+        rollers=rollers.roller_contacts,
+        unloaded_force_limit=scale.unloaded_force_limit,
     )
     state = ForceState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance
     clipped = f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's, is set to zero"
     notes = (clipped,) if cut > 1e-6 else ()
-    assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
+    assumed = tuple(
+        dict.fromkeys(f"{b.rolling_set.name}: {x}" for b, p in zip(system.ball_sets, parts, strict=True) for x in p[4])
+    )
     return ElasticAssemblyEquations(
         engine=engine,
-        given=BodySystem(bodies, contacts, np.ascontiguousarray(springs)),
+        kernel_arrays=BodySystem(bodies, contacts, np.ascontiguousarray(springs)),
         state=state,
         options=options,
-        system=system,
+        assembly_arrays=system,
         backend=backend,
-        whole=whole,
+        combined_problem=whole,
         shaft=shaft,
         housings=housings,
-        on_housings=flat,
-        carried=carried,
-        own=[p[0] for p in parts],
+        outer_flank_motions_by_housings=flat,
+        inner_flank_motions_by_housings=carried,
+        own_compliances_of_sets=[p[0] for p in parts],
         assumed=(*assumed, *notes),
-        squeeze=squeeze,
+        section_force_coupling=squeeze,
     )
 
 
@@ -501,7 +535,7 @@ def square_root_stiffness_of_balls(elastic: ElasticAssemblyEquations) -> list[Ar
     """
     N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
-    elastic.engine.ball_rows(elastic.given.contacts, elastic.state.contact, S, counts)
+    elastic.engine.ball_rows(elastic.kernel_arrays.contacts, elastic.state.contact, S, counts)
     return [S[i, : counts[i]] for i in range(N)]
 
 
@@ -515,7 +549,7 @@ def block_diagonal(S: list[Array]) -> Array:
     return out
 
 
-def compliance_of_inner_and_outer(first: Array, second: Array) -> Array:
+def compliance_ordered_ball_by_ball(first: Array, second: Array) -> Array:
     """Return the compliance matrix ``(8 N, 8 N)`` [m/N] of all four flanks of N balls, from those of screw and nut.
 
     Rows and columns are ordered ball by ball.
@@ -532,7 +566,9 @@ def compliance_of_inner_and_outer(first: Array, second: Array) -> Array:
     return out.reshape(8 * N, 8 * N)
 
 
-def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list[Array]) -> Array:
+def stiffness_of_elastic_nut_or_bearing(
+    elastic: ElasticAssemblyEquations, i: int, ball_set: BallSet, S: list[Array]
+) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] of one ball nut or bearing with elastic screw and nut, or rings.
 
     It acts against a rigid motion of screw or inner ring, to which the deformation of both bodies is added, while nut or
@@ -544,57 +580,63 @@ def own_stiffness(elastic: ElasticAssemblyEquations, i: int, b: BallSet, S: list
         Solved assembly.
     i
         Number of the ball nut or bearing among those with balls, from 0.
-    b
+    ball_set
         The ball nut or bearing.
     S
         Square roots of the stiffness of all balls and rollers, from `square_root_stiffness_of_balls`.
     """
-    root = block_diagonal(S[b.balls])
-    rows = np.zeros((b.problem.layout.z.size, 8, 6))
-    rows[:, :4] = inner_flank_motions_by_set(b, elastic.system.structure.stations)
+    root = block_diagonal(S[ball_set.ball_indices])
+    rows = np.zeros((ball_set.problem.layout.z.size, 8, 6))
+    rows[:, :4] = screw_flank_motions_per_rigid_motion(ball_set, elastic.assembly_arrays.structure.body_positions)
     moved = root @ rows.reshape(-1, 6)
-    compliance = compliance_of_inner_and_outer(*elastic.own[i])
+    compliance = compliance_ordered_ball_by_ball(*elastic.own_compliances_of_sets[i])
     return np.asarray(moved.T @ np.linalg.solve(np.eye(len(root)) + root @ compliance @ root.T, moved))
 
 
-def elastic_stiffness(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
+def stiffness_of_elastic_assembly(elastic: ElasticAssemblyEquations, S: list[Array]) -> Array | None:
     """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of the whole assembly at the reported shaft node or housing.
 
     None if that housing is fixed, or the assembly has no resistance to some motion. ``elastic``: solved assembly; ``S``:
     square roots of the balls' stiffness, from `square_root_stiffness_of_balls`. `stiffness_of_rigid_assembly` is the
     counterpart for rigid bodies (model lin).
     """
-    system, structure = elastic.system, elastic.system.structure
-    row = reported_body_number(system)
+    system, structure = elastic.assembly_arrays, elastic.assembly_arrays.structure
+    row = body_of_reported_stiffness(system)
     if row < 0:
         return None
-    n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
+    n, k, N = structure.nodes.size, elastic.shaft.work_on_free_motions.size, len(S)
     v, work = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6))
-    unit = np.zeros((6 * (n if row < n else structure.at.size), 6))
+    unit = np.zeros((6 * (n if row < n else structure.housing_positions.size), 6))
     at = 6 * (row if row < n else row - n)
     unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
     if row < n:
-        answer = elastic.shaft.solve(unit)
-        B = elastic.whole.B
-        v[:, :2] = np.einsum("nsak,nskj->nsaj", B, answer[6 * elastic.whole.node[..., None] + np.arange(B.shape[3])])
-        if elastic.squeeze is not None:
-            added, besides = elastic.squeeze.by_loads(unit, answer)
+        answer = elastic.shaft.motions_under_loads(unit)
+        B = elastic.combined_problem.B
+        v[:, :2] = np.einsum(
+            "nsak,nskj->nsaj", B, answer[6 * elastic.combined_problem.first_nodes[..., None] + np.arange(B.shape[3])]
+        )
+        if elastic.section_force_coupling is not None:
+            added, besides = elastic.section_force_coupling.motions_by_loads(unit, answer)
             v[:, :2] += added.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
             answer = answer + besides
         rigid = np.eye(6)
-        z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pin])
+        z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pinned_node])
         rigid[0, 4], rigid[1, 3] = z, -z
-        work[:k] = (rigid @ elastic.shaft.motions).T @ unit[at : at + 6]
+        work[:k] = (rigid @ elastic.shaft.free_rigid_motions).T @ unit[at : at + 6]
     else:
-        answer = elastic.housings.solve(unit)
-        v[:, 2:] = (elastic.on_housings @ answer).reshape(N, 2, 2, 6)
-        work[k:] = elastic.housings.motions.T @ unit
+        answer = elastic.housings.motions_under_loads(unit)
+        v[:, 2:] = (elastic.outer_flank_motions_by_housings @ answer).reshape(N, 2, 2, 6)
+        work[k:] = elastic.housings.free_rigid_motions.T @ unit
     root, load = block_diagonal(S), v.reshape(8 * N, 6)
-    bodies = elastic.given.bodies
+    bodies = elastic.kernel_arrays.bodies
     SR = root @ bodies.R.reshape(8 * N, -1)
     matrix = np.block(
         [
-            [np.eye(len(root)) + root @ compliance_of_inner_and_outer(bodies.first, bodies.second) @ root.T, -SR],
+            [
+                np.eye(len(root))
+                + root @ compliance_ordered_ball_by_ball(bodies.first_compliance, bodies.second_compliance) @ root.T,
+                -SR,
+            ],
             [SR.T, np.zeros((SR.shape[1],) * 2)],
         ]
     )
@@ -603,11 +645,16 @@ def elastic_stiffness(elastic: ElasticAssemblyEquations, S: list[Array]) -> Arra
     except np.linalg.LinAlgError:
         return None
     compliance = answer[at : at + 6] - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
-    return stiffness_from_compliance(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)
+    return stiffness_from_compliance(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.moment_arm)
 
 
-def solve_refined(
-    assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
+def solve_assembly_with_elastic_bodies(
+    assembly: Assembly,
+    *,
+    engine: Engine = "auto",
+    member: int = 0,
+    backend: ComplianceModel = REFINED,
+    name: str = "refined",
 ) -> AxisResult:
     """Compute contact forces, stiffness and motions of an assembly with elastic bodies.
 
@@ -632,7 +679,7 @@ def solve_refined(
         If an inner ring sits on a housing that stands on springs, there are more than `LARGEST` balls and rollers, or a
         body has impossible dimensions.
     """
-    rigid = rigid_rings(assembly)
+    rigid = sentences_on_rigid_rings(assembly)
     if not assembly.ball_count:
         result = solve_assembly(assembly, engine=engine, member=member)
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
@@ -641,12 +688,12 @@ def solve_refined(
         """Return the equations of an assembly with elastic bodies, whose compliance the given backend computes."""
         return elastic_assembly_equations(system, backend, kernels)
 
-    again = partial(solve_refined, engine=engine, member=member, backend=backend, name=name)
+    again = partial(solve_assembly_with_elastic_bodies, engine=engine, member=member, backend=backend, name=name)
     model = AssemblyModel(name, ASSUMPTIONS, rigid, made_ready, grooved_shaft_section(assembly, backend), False)
     return solve_assembly_by_model(assembly, model, engine, member, again)
 
 
-def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
+def sentences_on_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
     """Return a sentence for each roller bearing and each inner ring in a housing whose elasticity the model neglects."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

@@ -20,8 +20,8 @@ from rollbench.lowfi.statics.axis.structure import restraints_on_rigid_motions, 
 from rollbench.lowfi.statics.axis.system import AssemblyArrays, BallSet
 from rollbench.lowfi.statics.held import (
     approach_change_by_motions,
+    find_opening_by_linear_program,
     loads_do_work_on,
-    solve_opening_program,
     status_of_runaway_body,
 )
 from rollbench.lowfi.statics.problem import point_motion_matrix
@@ -39,9 +39,9 @@ class UnrestrainedMotions:
     """
 
     #: Whether the loads do work on such a motion, so that there is no equilibrium.
-    driven: bool
+    is_driven_by_loads: bool
     #: Description of the motions in words, for the user; empty if there are none.
-    text: str
+    description: str
     #: Each pin: number of the shaft node or housing, and of its degree of freedom to fix.
     pins: tuple[tuple[int, int], ...] = ()
 
@@ -53,37 +53,40 @@ def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     reason given in `lowfi.statics.held.free_motions`.
     """
     s = system.structure
-    motions = rigid_motions(s, system.arm)
+    motions = rigid_motions(s, system.moment_arm)
     rows = [restraints_on_rigid_motions(s, motions)]
     by_row = motions.reshape(-1, 6, motions.shape[1])
     n = s.nodes.size
-    for b in system.balls:
+    for b in system.ball_sets:
         layout = b.problem.layout
         moved = np.zeros((2 * layout.z.size, motions.shape[1]))
-        for row, sign in ((0 if b.of.carrier is None else int(b.problem.node[0, 0]), 1.0), (b.outer, -1.0)):
+        for row, sign in (
+            (0 if b.rolling_set.carrier is None else int(b.problem.first_nodes[0, 0]), 1.0),
+            (b.outer_body_row, -1.0),
+        ):
             if row >= 0:
-                arm = layout.centre - np.array([0.0, 0.0, s.stations[row]])
+                arm = layout.centre - np.array([0.0, 0.0, s.body_positions[row]])
                 moved += sign * (point_motion_matrix(layout, arm) @ by_row[row]).reshape(len(moved), -1)
         rows.append(moved)
-    for roller in system.rollers:
-        a = roller.arrays
-        moved = np.zeros((a.drop.size, motions.shape[1]))
+    for roller in system.roller_sets:
+        a = roller.slice_arrays
+        moved = np.zeros((a.gap.size, motions.shape[1]))
         for end in range(2):
-            if a.row[0, end] >= 0:
-                moved += a.B[:, end] @ by_row[a.row[0, end]]
+            if a.ring_bodies[0, end] >= 0:
+                moved += a.B[:, end] @ by_row[a.ring_bodies[0, end]]
         rows.append(moved)
     null = null_space_of_constraints(np.concatenate(rows))
     if not null.shape[0]:
         return UnrestrainedMotions(False, "")
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
     text = describe_motions(system, free)
-    if loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.arm):
+    if loads_do_work_on(np.einsum("rkc,rk->c", free, s.load), s.load, system.moment_arm):
         return UnrestrainedMotions(
             True, f"{text}: no support, spring or rolling element resists it, and the loads drive it"
         )
-    rows_of = [0, *range(n, s.stations.size)]
+    rows_of = [0, *range(n, s.body_positions.size)]
     flat = free[rows_of].reshape(-1, null.shape[0])
-    arms = np.tile([1.0, 1.0, 1.0, system.arm, system.arm, system.arm], len(rows_of))
+    arms = np.tile([1.0, 1.0, 1.0, system.moment_arm, system.moment_arm, system.moment_arm], len(rows_of))
     chosen = independent_columns((flat * arms[:, None]).T)
     return UnrestrainedMotions(False, text, tuple((rows_of[k // 6], k % 6) for k in chosen))
 
@@ -100,10 +103,10 @@ def describe_motions(system: AssemblyArrays, free: Array) -> str:
     """
     free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
-    names = {row: name for name, row in s.row.items() if row >= 0}
-    arms = np.array([1.0, 1.0, 1.0, system.arm, system.arm, system.arm])
+    names = {row: name for name, row in s.housing_numbers.items() if row >= 0}
+    arms = np.array([1.0, 1.0, 1.0, system.moment_arm, system.moment_arm, system.moment_arm])
     motions = []
-    for row in (0, *range(n, s.stations.size)):
+    for row in (0, *range(n, s.body_positions.size)):
         size = np.abs(free[row] * arms[:, None]).max(axis=1)
         freedoms = [name for name, x in zip(FREEDOMS, size, strict=True) if x > 1e-6 * np.abs(free).max()]
         if freedoms:
@@ -111,25 +114,25 @@ def describe_motions(system: AssemblyArrays, free: Array) -> str:
     return "rigid motion of " + " and ".join(motions)
 
 
-def pin_unrestrained_motions(system: AssemblyArrays, loose: UnrestrainedMotions) -> AssemblyArrays:
+def pin_unrestrained_motions(system: AssemblyArrays, unrestrained_motions: UnrestrainedMotions) -> AssemblyArrays:
     """Return the assembly's arrays with fixed degrees of freedom ("pins") against motions that nothing resists.
 
-    ``loose``: these motions, with the degrees of freedom to fix; without any, ``system`` itself is returned.
+    ``unrestrained_motions``: these motions, with the degrees of freedom to fix; without any, ``system`` itself is returned.
     """
-    if not loose.pins:
+    if not unrestrained_motions.pins:
         return system
     fixed = system.structure.fixed.copy()
-    for row, k in loose.pins:
+    for row, k in unrestrained_motions.pins:
         fixed[row, k] = True
     structure = replace(system.structure, fixed=fixed)
-    return replace(system, structure=structure, axis=system.axis._replace(fixed=fixed))
+    return replace(system, structure=structure, structure_arrays=system.structure_arrays._replace(fixed=fixed))
 
 
 #: Contact angle [rad] below which a contact of a bearing for one direction of thrust lies on or beyond the groove's bottom.
 APEX = 1e-6
 
 
-def opening_motion(system: AssemblyArrays) -> Array | None:
+def find_opening_motion(system: AssemblyArrays) -> Array | None:
     """Find a rigid motion of shaft and housings that opens all contacts while the loads do work, by a linear program.
 
     Contacts are taken at their nominal angles.
@@ -148,20 +151,20 @@ def opening_motion(system: AssemblyArrays) -> Array | None:
     from scipy.sparse import csr_array, hstack, vstack
 
     s = system.structure
-    motions = rigid_motions(s, system.arm)
+    motions = rigid_motions(s, system.moment_arm)
     by_row = motions.reshape(-1, 6, motions.shape[1])
     work = motions.T @ s.load.ravel()
-    total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
+    total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.moment_arm)
     if float(np.abs(work).max()) <= 1e-12 * total:
         return None
-    centres = 2 * system.contacts.r_ball.size
-    rows = [csr_array(_approach_change_of_balls(b, system, by_row)) for b in system.balls]
+    centres = 2 * system.ball_arrays.r_ball.size
+    rows = [csr_array(_approach_change_of_balls(b, system, by_row)) for b in system.ball_sets]
     rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _approach_change_of_rollers(system, by_row)]
-    answer = solve_opening_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
+    answer = find_opening_by_linear_program(work, csr_array(vstack(rows)), restraints_on_rigid_motions(s, motions))
     return None if answer is None else np.asarray(motions @ answer).reshape(-1, 6)
 
 
-def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
+def _approach_change_of_balls(ball_set: BallSet, system: AssemblyArrays, by_row: Array) -> Array:
     """Return the change of approach of each contact of one nut or bearing, per unit motion of bodies and ball centres.
 
     A row is a contact. The columns are the k rigid motions of shaft and housings, then two coordinates of every ball centre
@@ -169,18 +172,20 @@ def _approach_change_of_balls(b: BallSet, system: AssemblyArrays, by_row: Array)
 
     Parameters
     ----------
-    b
+    ball_set
         The nut or bearing.
     system
         Arrays of the assembly.
     by_row
         Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
-    beta = b.problem.scene.track.contact_angle
-    angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
-    moved, balls = b.flank_motions(by_row), system.contacts.r_ball.size
-    used = [(int(side), angle) for side in np.flatnonzero(b.problem.use) for angle in angles]
-    return np.concatenate([approach_change_by_motions(s, angle, moved[:, s], b.balls.start, balls) for s, angle in used])
+    beta = ball_set.problem.scene.track.contact_angle
+    angles = (beta, -beta) if ball_set.rolling_set.thrust == "deep groove" else (beta,)
+    moved, balls = ball_set.flank_motions(by_row), system.ball_arrays.r_ball.size
+    used = [(int(side), angle) for side in np.flatnonzero(ball_set.problem.used_flanks) for angle in angles]
+    return np.concatenate(
+        [approach_change_by_motions(s, angle, moved[:, s], ball_set.ball_indices.start, balls) for s, angle in used]
+    )
 
 
 def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[Array]:
@@ -194,8 +199,11 @@ def _approach_change_of_rollers(system: AssemblyArrays, by_row: Array) -> list[A
         Rigid motions of all shaft nodes and housings ``(r, 6, k)``.
     """
     out = []
-    for a in (x.arrays for x in system.rollers):
-        ends = [np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.row[:, e]]) * (a.row[:, e] >= 0)[:, None] for e in range(2)]
+    for a in (x.slice_arrays for x in system.roller_sets):
+        ends = [
+            np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.ring_bodies[:, e]]) * (a.ring_bodies[:, e] >= 0)[:, None]
+            for e in range(2)
+        ]
         out.append(ends[0] + ends[1])
     return out
 
@@ -208,13 +216,13 @@ def status_of_runaway_assembly(system: AssemblyArrays) -> Status:
     """
     opens = "the loads open every contact that could carry them (linear program: {})"
     return status_of_runaway_body(
-        partial(opening_motion, system),
+        partial(find_opening_motion, system),
         "the shaft or a ring",
         lambda motion: opens.format(describe_motions(system, motion)),
     )
 
 
-def reversed_status(system: AssemblyArrays, name: str, thrust: str, angle: float, load: float) -> Status:
+def status_of_reversed_thrust(system: AssemblyArrays, name: str, thrust: str, angle: float, load: float) -> Status:
     """Return the status "not held" of an assembly in which a bearing for one direction of thrust is loaded in the other.
 
     The bearing carries thrust in one direction only, but the model continues its groove arcs beyond the bottom. The proof
@@ -236,7 +244,7 @@ def reversed_status(system: AssemblyArrays, name: str, thrust: str, angle: float
         Contact force [N] of this ball.
     """
     try:
-        opened = opening_motion(system) is not None
+        opened = find_opening_motion(system) is not None
     except ArithmeticError:
         opened = False
     if opened:

@@ -9,8 +9,8 @@ from functools import lru_cache, partial
 import numpy as np
 
 from rollbench.lowfi.hertz import contact_approach
-from rollbench.lowfi.rollers import tapered_bearing
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.rollers import tapered_bearing_of_row
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
 from rollbench.meshes.arrays import Array
@@ -39,14 +39,14 @@ class _PreloadTask:
     """
 
     #: Assembly without loads and without thermal expansion.
-    bare: Assembly
+    unloaded_assembly: Assembly
     #: Identification of the solver and its options.
-    key: tuple[object, ...]
+    solver_identification: tuple[object, ...]
     #: Function that solves an assembly.
-    solve: Callable[[Assembly], AxisResult] = field(compare=False)
+    solve_assembly: Callable[[Assembly], AxisResult] = field(compare=False)
 
 
-def replace_preload_forces(
+def replace_preload_forces_by_offsets(
     assembly: Assembly, solve: partial[AxisResult]
 ) -> tuple[Assembly, tuple[str, ...], Status | None]:
     """Replace the preload forces of an assembly by axial offsets of outer rings and nuts that produce them.
@@ -75,7 +75,7 @@ def replace_preload_forces(
     shift, notes, unmet = _find_preload_shifts(
         _PreloadTask(bare, (solve.func, solve.args, *sorted(solve.keywords.items())), solve)
     )
-    return assembly if shift is None else _replace_preload_by_offsets(assembly, numbers, np.array(shift)), notes, unmet
+    return assembly if shift is None else _with_offsets_for_preload_forces(assembly, numbers, np.array(shift)), notes, unmet
 
 
 def _sets_with_preload_force(assembly: Assembly) -> list[int]:
@@ -84,7 +84,7 @@ def _sets_with_preload_force(assembly: Assembly) -> list[int]:
 
 
 @lru_cache(maxsize=4)
-def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
+def _find_preload_shifts(preload_search: _PreloadTask) -> tuple[tuple[float, ...] | None, tuple[str, ...], Status | None]:
     """Find the axial shifts [m] of outer rings and nuts that press them onto their balls with the prescribed preloads.
 
     First the outer rings and nuts are free to slide along the axis and are pushed by their preload forces. As the energy is
@@ -99,7 +99,7 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
         Shifts, None if there is no equilibrium; notes for the report; and a status with the reason if preloads are not
         reached, else None.
     """
-    bare, solve = mounting.bare, mounting.solve
+    bare, solve = preload_search.unloaded_assembly, preload_search.solve_assembly
     numbers = _sets_with_preload_force(bare)
     goal = np.log([bare.sets[i].preload for i in numbers])
 
@@ -108,7 +108,7 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
 
         ``shift``: axial shifts of the outer rings and nuts [m].
         """
-        result = solve(_replace_preload_by_offsets(bare, numbers, shift))
+        result = solve(_with_offsets_for_preload_forces(bare, numbers, shift))
         forces = np.array([abs(result.sets[i].force[2]) for i in numbers]) if result.converged else np.zeros(len(numbers))
         return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
@@ -147,13 +147,13 @@ def _find_preload_shifts(mounting: _PreloadTask) -> tuple[tuple[float, ...] | No
 
 
 def _shifts_of_sliding_parts(
-    bare: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]
+    unloaded_assembly: Assembly, numbers: Sequence[int], solve: Callable[[Assembly], AxisResult]
 ) -> tuple[Array | None, Status]:
     """Return the axial shifts [m] of outer rings and nuts that can slide along the axis, pushed by their preload forces.
 
     Parameters
     ----------
-    bare
+    unloaded_assembly
         Assembly without loads and thermal expansion.
     numbers
         Indices of the preloaded bearings and nuts.
@@ -165,7 +165,11 @@ def _shifts_of_sliding_parts(
     tuple[Array | None, Status]
         Shifts against the rolling elements, None if there is no equilibrium; and the status of the solution.
     """
-    sets, joints, bodies = list(bare.sets), list(bare.joints), {h.name: h for h in bare.housings}
+    sets, joints, bodies = (
+        list(unloaded_assembly.sets),
+        list(unloaded_assembly.joints),
+        {h.name: h for h in unloaded_assembly.housings},
+    )
     seats: list[tuple[str, str | None, float]] = []
     for i in numbers:
         rolling = sets[i]
@@ -179,7 +183,7 @@ def _shifts_of_sliding_parts(
         bodies[seat] = Housing(seat, rolling.position, sliding, None, (0.0, 0.0, push))
         sets[i] = replace(rolling, housing=seat, preload=0.0)
         seats.append((seat, None if on is None else on.name, np.sign(push)))
-    result = solve(replace(bare, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
+    result = solve(replace(unloaded_assembly, sets=tuple(sets), joints=tuple(joints), housings=tuple(bodies.values())))
     if not result.converged:
         return None, result.status
     moved = {h.name: float(h.motion[2]) for h in result.housings}
@@ -192,14 +196,14 @@ def preload_shift_of_rigid_parts(rolling: RollingSet) -> float:
     ``rolling``: bearing or nut whose preload is prescribed as a force.
     """
     if isinstance(rolling.parts, RollerRow):
-        bearing = tapered_bearing(rolling.parts)
+        bearing = tapered_bearing_of_row(rolling.parts)
         sin = float(np.sin(bearing.cup_angle))
-        return float(bearing.law().approach(rolling.preload / (bearing.rollers * bearing.length * sin))) / sin
-    sin, C = float(np.sin(rolling.parts.track.contact_angle)), error_free_hertz(rolling.parts).C
+        return float(bearing.approach_law().approach(rolling.preload / (bearing.rollers * bearing.length * sin))) / sin
+    sin, C = float(np.sin(rolling.parts.track.contact_angle)), hertz_without_errors(rolling.parts).C
     return float(contact_approach(rolling.preload / (rolling.parts.ball_count * sin), C[0] + C[3])) / sin
 
 
-def _replace_preload_by_offsets(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
+def _with_offsets_for_preload_forces(assembly: Assembly, numbers: Sequence[int], shift: Array) -> Assembly:
     """Return the assembly with axial offsets of outer rings and nuts in place of their preload forces.
 
     Parameters

@@ -21,9 +21,14 @@ from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_approach, contact_force
 from rollbench.lowfi.statics.axis.held import pin_unrestrained_motions, status_of_runaway_assembly, unrestrained_motions
-from rollbench.lowfi.statics.axis.mount import replace_preload_forces
+from rollbench.lowfi.statics.axis.mount import replace_preload_forces_by_offsets
 from rollbench.lowfi.statics.axis.structure import largest_spring_force_term
-from rollbench.lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, SolveRecord, assemble_axis, failed_axis
+from rollbench.lowfi.statics.axis.summary import (
+    AXIS_ASSUMPTIONS,
+    SolveRecord,
+    assemble_axis,
+    axis_result_without_equilibrium,
+)
 from rollbench.lowfi.statics.axis.system import (
     USE,
     AssemblyArrays,
@@ -31,16 +36,16 @@ from rollbench.lowfi.statics.axis.system import (
     Placed,
     assembly_residual_scale,
     ball_positions,
+    body_of_reported_stiffness,
     build_assembly_arrays,
     contact_states_of_sets,
     flank_motions_of_set,
     interpolate_shaft_motions,
-    reported_body_number,
-    with_lever_arms,
+    replace_lever_arms,
 )
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.kernel_types import AxisSystem, EnergyDerivatives, MotionState
-from rollbench.lowfi.statics.problem import Problem, centre_distances
+from rollbench.lowfi.statics.problem import Problem, centre_vectors_and_interference
 from rollbench.lowfi.statics.result import AxisResult, Status
 from rollbench.lowfi.statics.selection import motions_in_section, solutions_clear_of_left_out_flanks
 from rollbench.lowfi.statics.settle import (
@@ -48,17 +53,17 @@ from rollbench.lowfi.statics.settle import (
     ContactState,
     ModelDescription,
     StaticEquations,
-    least_residual,
-    solve_status,
+    residual_by_round_off,
     solve_with_updated_contacts,
     solver_options,
     solver_report,
+    status_of_solve,
 )
-from rollbench.lowfi.statics.shape import initial_motions_with_supports, rigid_transport
+from rollbench.lowfi.statics.shape import initial_motions_with_supports, rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.static import Engine, pick_engine
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.axis import Assembly, RollerRow, RollingSet
-from rollbench.meshes.errors import Specimen
+from rollbench.meshes.errors import GeometryWithErrors
 from rollbench.meshes.numerics import brentq
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
@@ -99,7 +104,7 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
     if held:
         return float(held[0])
     sin = np.array([np.sin(scene.track.contact_angle) for _, scene in sets])
-    C = np.array([error_free_hertz(scene).C for _, scene in sets])
+    C = np.array([hertz_without_errors(scene).C for _, scene in sets])
     share, pair = sin * [scene.ball_count for _, scene in sets], C[:, 0] + C[:, 3]
     offset = np.array([s.offset for s, _ in sets])
 
@@ -111,7 +116,7 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
     return float(brentq(excess, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
+def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: GeometryWithErrors) -> Mask:
     """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball at an axial shift, as booleans ``(4,)``.
 
     ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
@@ -120,49 +125,57 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: S
     first is returned; otherwise all flanks that the direction of thrust can load.
     """
     use = USE[rolling.thrust]
-    if rolling.thrust != "both" or drawn.profile.shape[1]:
+    if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
         return use
-    closed = centre_distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])
+    closed = centre_vectors_and_interference(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array(
+        [1.0, -1.0]
+    )
     if closed[:, 0].max() > 0.0 >= closed[:, 1].max():
         return USE["+z"]
     return USE["-z"] if closed[:, 1].max() > 0.0 >= closed[:, 0].max() else use
 
 
-def clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
+def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
     Only flanks that the direction of thrust of a ball nut or bearing can load are examined. ``system``: arrays of the
     assembly; ``state``: solved motions, ball centres and contacts.
     """
     return all(
-        _set_clear_of_left_out_flanks(system, b, state) for b in system.balls if np.any(USE[b.of.thrust] & ~b.problem.use)
+        _is_set_clear_of_left_out_flanks(system, b, state)
+        for b in system.ball_sets
+        if np.any(USE[b.rolling_set.thrust] & ~b.problem.used_flanks)
     )
 
 
-def _set_clear_of_left_out_flanks(system: AssemblyArrays, b: BallSet, state: MotionState) -> bool:
+def _is_set_clear_of_left_out_flanks(system: AssemblyArrays, ball_set: BallSet, state: MotionState) -> bool:
     """Return whether no ball of one nut or bearing touches a flank that was left out of the solved equations.
 
-    ``b``: the ball nut or bearing; ``system``: arrays of the assembly; ``state``: solved motions and ball centres.
+    ``ball_set``: the ball nut or bearing; ``system``: arrays of the assembly; ``state``: solved motions and ball centres.
     """
-    contact = state.contact[b.balls]
-    shift = flank_motions_of_set(b, state.q)
+    contact = state.contact[ball_set.ball_indices]
+    shift = flank_motions_of_set(ball_set, state.q)
     for s in range(2):
-        if not b.problem.use[s] and b.of.carrier is None:
-            shift[:, s] = _left_out_flank_motion(system, b, s, state.q)
-    place, load = state.p[None, b.balls], contact[None, ..., 0]
-    return bool(solutions_clear_of_left_out_flanks(place, shift[None], b.problem.geometry[None], load, b.problem.use)[0])
+        if not ball_set.problem.used_flanks[s] and ball_set.rolling_set.carrier is None:
+            shift[:, s] = _left_out_flank_motion(system, ball_set, s, state.q)
+    place, load = state.p[None, ball_set.ball_indices], contact[None, ..., 0]
+    return bool(
+        solutions_clear_of_left_out_flanks(
+            place, shift[None], ball_set.problem.geometry[None], load, ball_set.problem.used_flanks
+        )[0]
+    )
 
 
-def _left_out_flank_motion(system: AssemblyArrays, b: BallSet, flank: int, q: Array) -> Array:
+def _left_out_flank_motion(system: AssemblyArrays, ball_set: BallSet, flank: int, q: Array) -> Array:
     """Return the motion ``(N, 2)`` [m] of screw flank ``flank`` (0: SL, 1: SR), which was left out, at each of N balls.
 
-    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated. ``b``:
-    the ball nut or bearing.
+    ``q`` ``(r, 6)``: solved motions of shaft nodes and housings [m, rad], between which the motion is interpolated.
+    ``ball_set``: the ball nut or bearing.
     """
-    stations = contact_force_positions(b.problem.scene, b.problem.layout)[:, flank]
+    stations = contact_force_positions(ball_set.problem.scene, ball_set.problem.layout)[:, flank]
     j, m = interpolate_shaft_motions(system.structure, stations)
     moved = np.einsum("nab,nb->na", m, np.concatenate([q[j], q[j + 1]], axis=1))
-    return motions_in_section(b.problem.layout, b.problem.drawn.centre[:, flank], stations, moved)
+    return motions_in_section(ball_set.problem.layout, ball_set.problem.drawn.groove_centres[:, flank], stations, moved)
 
 
 def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
@@ -200,11 +213,11 @@ def stiffness_of_rigid_assembly(
     hessians
         Second derivatives of each ball's energy by the motions of its four flanks ``(N, 8, 8)`` [N/m].
     """
-    row = reported_body_number(system)
+    row = body_of_reported_stiffness(system)
     if row < 0:
         return None
-    r = system.structure.stations.size
-    size = given.shaft.start[-1]
+    r = system.structure.body_positions.size
+    size = given.shaft.row_offsets[-1]
     base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
     engine.add_axis(base, given.shaft)
     if not engine.tangent(given, state, hessians, base, values, np.zeros(6)):
@@ -215,7 +228,7 @@ def stiffness_of_rigid_assembly(
         load[row, k] = 1.0
         engine.solve_lines(given.shaft, values, load, step)
         compliance[:, k] = step[row]
-    return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.arm)
+    return stiffness_from_compliance(compliance, ~system.structure.fixed[row], system.moment_arm)
 
 
 def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array | None:
@@ -248,7 +261,7 @@ def stiffness_from_compliance(compliance: Array, free: NDArray[np.bool_], arm: f
     return out
 
 
-def inner_flank_motions_by_set(b: BallSet, stations: Array) -> Array:
+def screw_flank_motions_per_rigid_motion(ball_set: BallSet, stations: Array) -> Array:
     """Return the motions ``(N, 4, 6)`` of the screw's flanks at N balls per unit of the screw's six rigid motions.
 
     The four rows of a ball are flank SL, radial and along the helix's binormal, then flank SR likewise. In a bearing, the
@@ -256,29 +269,31 @@ def inner_flank_motions_by_set(b: BallSet, stations: Array) -> Array:
 
     Parameters
     ----------
-    b
+    ball_set
         The ball nut or bearing, with N balls.
     stations
         Axial positions of all shaft nodes and moving housings [m].
     """
-    return b.flank_motions(rigid_transport(stations - b.of.position))[:, :2].reshape(-1, 4, 6)
+    return ball_set.flank_motions(rigid_motion_transfer_matrix(stations - ball_set.rolling_set.position))[:, :2].reshape(
+        -1, 4, 6
+    )
 
 
-def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
+def stiffness_of_nut_or_bearing(ball_set: BallSet, stations: Array, hessians: Array) -> Array:
     """Return the stiffness ``(6, 6)`` [N/m, N, N m] between screw and nut, or between the rings of a bearing.
 
     Screw or inner ring move as a rigid body, while nut or outer ring are fixed.
 
     Parameters
     ----------
-    b
+    ball_set
         The ball nut or bearing, with N balls; motions are taken at its axial position.
     stations
         Axial positions of all shaft nodes and moving housings [m].
     hessians
         Second derivatives of each ball's energy by the motions of its inner flanks ``(N, 4, 4)`` [N/m].
     """
-    rows = inner_flank_motions_by_set(b, stations)
+    rows = screw_flank_motions_per_rigid_motion(ball_set, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))
 
 
@@ -292,15 +307,15 @@ class AssemblyEquations(StaticEquations):
     """Equations of an assembly for the numerical kernels: base class for rigid and for elastic bodies."""
 
     #: Arrays of the assembly.
-    system: AssemblyArrays
+    assembly_arrays: AssemblyArrays
 
     @property
     def problems(self) -> Sequence[Problem]:
         """Return the contact problem of each ball nut and ball bearing."""
-        return [b.problem for b in self.system.balls]
+        return [b.problem for b in self.assembly_arrays.ball_sets]
 
     @abstractmethod
-    def row_states(self) -> tuple[MotionState, Array]:
+    def motions_and_reactions(self) -> tuple[MotionState, Array]:
         """Return the present state (motions of shaft nodes and housings, ball centres, contacts), and support reactions.
 
         The reactions ``(r, 6)`` [N, N m] act on the r shaft nodes and housings and are zero at free degrees of freedom.
@@ -315,65 +330,68 @@ class AssemblyEquations(StaticEquations):
 
 
 @dataclass(kw_only=True)
-class RigidAssemblyEquations(AssemblyEquations):
+class BeamAssemblyEquations(AssemblyEquations):
     """Equations of an assembly whose shaft is a beam and whose nuts, outer rings and housings are rigid (model lin)."""
 
     SOLVER = "solve_axis"
     #: Arrays of shaft and rolling elements for the kernels.
-    given: AxisSystem
+    kernel_arrays: AxisSystem
     #: Motions, element deformations and contacts: the unknowns of the iteration.
     state: MotionState
 
-    def flanks(self) -> Sequence[ContactState]:
+    def contact_states(self) -> Sequence[ContactState]:
         """Return contact forces, ball centres and flank motions of each bearing and nut, as the iteration has them now."""
-        return contact_states_of_sets(self.system, self.state)
+        return contact_states_of_sets(self.assembly_arrays, self.state)
 
-    def with_arms(self, arms: Sequence[Array]) -> Self:
+    def with_lever_arms(self, arms: Sequence[Array]) -> Self:
         """Return equations with new lever arms of the contact forces, which start from the present state.
 
         ``arms``: for each bearing or nut with N balls, the shifts ``(N, 4, 2)`` [m] of the flanks' centres of curvature by
         profile errors; contact forces act through these centres.
         """
-        system = with_lever_arms(self.system, arms)
-        return replace(self, system=system, given=self.given._replace(balls=system.contacts))
+        system = replace_lever_arms(self.assembly_arrays, arms)
+        return replace(self, assembly_arrays=system, kernel_arrays=self.kernel_arrays._replace(balls=system.ball_arrays))
 
-    def round_off(self) -> float:
+    def round_off_residual(self) -> float:
         """Return the relative residual that rounding errors leave at the solution.
 
         It is the larger of two bounds: from the largest motion and the stiffest contact, and from the springs of housings.
         """
-        state, v0 = self.state, self.given.balls.v0
+        state, v0 = self.state, self.kernel_arrays.balls.v0
         motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(v0).max(initial=0.0))
         stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
-        contacts = least_residual(motion, stiff, self.scale, self.problems)
-        springs = largest_spring_force_term(self.system.structure, state.q, self.system.arm)
-        return max(contacts, least_residual(springs, 1.0, self.scale, ()))
+        contacts = residual_by_round_off(motion, stiff, self.residual_force_scale, self.problems)
+        springs = largest_spring_force_term(self.assembly_arrays.structure, state.q, self.assembly_arrays.moment_arm)
+        return max(contacts, residual_by_round_off(springs, 1.0, self.residual_force_scale, ()))
 
-    def description(self) -> ModelDescription:
+    def model_description(self) -> ModelDescription:
         """Return the formulation and the number of unknowns for the record of the solution.
 
         Its list of assumptions is empty; `AssemblyModel` states those of the model.
         """
-        return ModelDescription("convex energy", int(np.count_nonzero(~self.system.structure.fixed)), ())
+        return ModelDescription("convex energy", int(np.count_nonzero(~self.assembly_arrays.structure.fixed)), ())
 
-    def slopes(self) -> EnergyDerivatives:
+    def energy_derivatives(self) -> EnergyDerivatives:
         """Return the first and second derivatives of the energy in the present state of the iteration."""
         out = EnergyDerivatives(np.zeros(self.state.q.shape), np.zeros((len(self.state.p), 8, 8)))
-        self.engine.evaluate_axis(self.given, self.state, out)
+        self.engine.evaluate_axis(self.kernel_arrays, self.state, out)
         return out
 
-    def row_states(self) -> tuple[MotionState, Array]:
+    def motions_and_reactions(self) -> tuple[MotionState, Array]:
         """Return the present state, and support reactions ``(r, 6)``: the energy's gradient at fixed degrees of freedom."""
-        return self.state, np.where(self.system.structure.fixed, self.slopes().gradient, 0.0)
+        return self.state, np.where(self.assembly_arrays.structure.fixed, self.energy_derivatives().gradient, 0.0)
 
     def stiffness(self) -> tuple[Sequence[Array], Array | None]:
         """Return the tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut or bearing, and of the assembly.
 
         The second is taken at the reported shaft node or housing; None if the assembly has no stiffness there.
         """
-        system, hessians = self.system, self.slopes().hessians
-        sets = [set_stiffness(b, system.structure.stations, hessians[b.balls, :4, :4]) for b in system.balls]
-        return sets, stiffness_of_rigid_assembly(system, self.engine, self.given, self.state, hessians)
+        system, hessians = self.assembly_arrays, self.energy_derivatives().ball_hessians
+        sets = [
+            stiffness_of_nut_or_bearing(b, system.structure.body_positions, hessians[b.ball_indices, :4, :4])
+            for b in system.ball_sets
+        ]
+        return sets, stiffness_of_rigid_assembly(system, self.engine, self.kernel_arrays, self.state, hessians)
 
 
 def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
@@ -386,25 +404,25 @@ def moved_too_far(q: Array, system: AssemblyArrays) -> bool:
     system
         Arrays of the assembly.
     """
-    return not float((np.abs(q) / np.repeat([system.arm, 1.0], 3)).max()) <= FAR
+    return not float((np.abs(q) / np.repeat([system.moment_arm, 1.0], 3)).max()) <= FAR
 
 
-def rigid_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> RigidAssemblyEquations:
+def build_beam_assembly_equations(system: AssemblyArrays, engine: ModuleType) -> BeamAssemblyEquations:
     """Return the equations of an assembly (model lin), with an initial state that has the prescribed displacements.
 
     ``system``: arrays of the assembly; ``engine``: module of the numerical kernels, compiled or interpreted.
     """
     s, n = system.structure, system.structure.nodes.size
-    scale, furthest = assembly_residual_scale(system), float(system.contacts.r_ball.max(initial=0.0))
-    q = np.zeros((s.stations.size, 6))
+    scale, furthest = assembly_residual_scale(system), float(system.ball_arrays.r_ball.max(initial=0.0))
+    q = np.zeros((s.body_positions.size, 6))
     q[:n], d = initial_motions_with_supports(s.nodes, s.fixed[:n], s.prescribed[:n])
     q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
-    N, M = system.contacts.r_ball.size, system.slices.drop.size
+    N, M = system.ball_arrays.r_ball.size, system.roller_slice_arrays.gap.size
     state = MotionState(q, d, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
-    system.contacts = system.contacts._replace(tiny=scale.none)
-    options = solver_options(scale, system.arm, furthest)
-    given = AxisSystem(system.axis, system.contacts, system.slices)
-    return RigidAssemblyEquations(engine=engine, given=given, state=state, options=options, system=system)
+    system.ball_arrays = system.ball_arrays._replace(unloaded_force_limit=scale.unloaded_force_limit)
+    options = solver_options(scale, system.moment_arm, furthest)
+    given = AxisSystem(system.structure_arrays, system.ball_arrays, system.roller_slice_arrays)
+    return BeamAssemblyEquations(engine=engine, kernel_arrays=given, state=state, options=options, assembly_arrays=system)
 
 
 class AssemblyModel(NamedTuple):
@@ -417,11 +435,11 @@ class AssemblyModel(NamedTuple):
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
     #: Function that makes the equations for the kernels from the arrays of an assembly.
-    ready: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
+    build_equations: Callable[[AssemblyArrays, ModuleType], AssemblyEquations]
     #: Cross-section of the threaded shaft; None: computed from the assembly's dimensions.
-    section: BeamSection | None
+    threaded_shaft_section: BeamSection | None
     #: Whether the equations leave out flanks that loads and axial offsets lift off the balls.
-    fewer: bool
+    leaves_out_lifted_flanks: bool
 
 
 def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
@@ -448,7 +466,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ValueError
         If dimensions leave a part without material.
     """
-    model = AssemblyModel("lin", AXIS_ASSUMPTIONS, (), rigid_assembly_equations, None, True)
+    model = AssemblyModel("lin", AXIS_ASSUMPTIONS, (), build_beam_assembly_equations, None, True)
     return solve_assembly_by_model(assembly, model, engine, member, partial(solve_assembly, engine=engine, member=member))
 
 
@@ -475,54 +493,56 @@ def solve_assembly_by_model(
 
     def failed(status: Status) -> AxisResult:
         """Return the result of an assembly without equilibrium, with the ``status`` that gives the reason."""
-        return failed_axis(assembly, model.name, status, perf_counter() - start, model.assumed)
+        return axis_result_without_equilibrium(assembly, model.name, status, perf_counter() - start, model.assumed)
 
-    mounted, notes, unmet = replace_preload_forces(assembly, solve_same_model)
+    mounted, notes, unmet = replace_preload_forces_by_offsets(assembly, solve_same_model)
     if unmet:
         return failed(unmet)
-    kernels, places = engine_for(assembly, engine), ball_positions(mounted, member)
-    uses = guess_loaded_flanks(mounted, places) if model.fewer else flanks_by_thrust_direction(mounted)
+    kernels, places = kernels_for_assembly(assembly, engine), ball_positions(mounted, member)
+    uses = guess_loaded_flanks(mounted, places) if model.leaves_out_lifted_flanks else flanks_by_thrust_direction(mounted)
     while True:
-        system = build_assembly_arrays(mounted, member, uses, places, model.section)
+        system = build_assembly_arrays(mounted, member, uses, places, model.threaded_shaft_section)
         loose = unrestrained_motions(system)
-        if loose.driven:
-            return failed(Status("not held", loose.text))
-        prepared = model.ready(pin_unrestrained_motions(system, loose), kernels)
+        if loose.is_driven_by_loads:
+            return failed(Status("not held", loose.description))
+        prepared = model.build_equations(pin_unrestrained_motions(system, loose), kernels)
         ready = perf_counter()
         prepared, outcome = solve_with_updated_contacts(prepared)
         if uses_all_flanks(uses, mounted) or (
-            outcome.status == 0 and clear_of_left_out_flanks(prepared.system, prepared.state)
+            outcome.status == 0 and are_balls_clear_of_left_out_flanks(prepared.assembly_arrays, prepared.state)
         ):
             break
         uses = flanks_by_thrust_direction(mounted)
         notes = (*notes, "balls touch flanks that loads or offsets should lift off them: solved again with all flanks")
-    state, held = prepared.row_states()
-    proven = system if model.fewer else prepared.system  # elastic bodies: loose motions stay fixed in the proof
-    status = solve_status(
-        outcome, prepared.round_off(), partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
+    state, held = prepared.motions_and_reactions()
+    proven = (
+        system if model.leaves_out_lifted_flanks else prepared.assembly_arrays
+    )  # elastic bodies: loose motions stay fixed in the proof
+    status = status_of_solve(
+        outcome, prepared.round_off_residual(), partial(status_of_runaway_assembly, proven), moved_too_far(state.q, proven)
     )
     if outcome.status in NO_LOADS:
         return failed(status)
-    description, (sets, whole) = prepared.description(), prepared.stiffness()
+    description, (sets, whole) = prepared.model_description(), prepared.stiffness()
     ending = SolveRecord(
         status=status,
         report=solver_report(
-            outcome, prepared, description, prepared.system.structure.nodes.size - 1, (start, ready), notes
+            outcome, prepared, description, prepared.assembly_arrays.structure.nodes.size - 1, (start, ready), notes
         ),
-        loose=loose.text,
-        held=held,
-        sets=sets,
-        whole=whole,
+        pinned_motions_text=loose.description,
+        support_reactions=held,
+        set_stiffnesses=sets,
+        assembly_stiffness=whole,
         model=model.name,
         assumed=(*model.assumed, *description.assumed),
         left_out=model.left_out,
-        shifts=[x.shift for x in prepared.flanks()],
-        scale=outcome.scale,
+        flank_motions=[x.flank_motions for x in prepared.contact_states()],
+        residual_force_scale=outcome.scale,
     )
-    return assemble_axis(prepared.system, state, ending)
+    return assemble_axis(prepared.assembly_arrays, state, ending)
 
 
-def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
+def kernels_for_assembly(assembly: Assembly, engine: Engine) -> ModuleType:
     """Return the module of numerical kernels, compiled or interpreted, that suits the size of an assembly.
 
     ``engine``: the user's choice, see `pick_engine`. The size counts the balls, the rollers' slices at a quarter each, and

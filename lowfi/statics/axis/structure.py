@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
@@ -38,7 +38,7 @@ class Structure:
     #: Axial positions of the shaft's nodes ``(n,)`` [m].
     nodes: Array
     #: Axial positions of the moving housings ``(r - n,)`` [m].
-    at: Array
+    housing_positions: Array
     #: Cross-section of each beam element.
     sections: tuple[BeamSection, ...]
     #: Which degrees of freedom are fixed ``(r, 6)``.
@@ -48,19 +48,19 @@ class Structure:
     #: Loads ``(r, 6)`` [N, N m], those of thermal expansion included.
     load: Array
     #: Numbers of the two bodies joined by each of k springs, -1 for the fixed frame ``(k, 2)``.
-    ends: Ints
+    spring_bodies: Ints
     #: Matrices ``(k, 2, 6, 6)`` from the motions of these two bodies to the motions of the spring's ends. The second matrix
     #: has a negative sign, so that the sum of both motions is the spring's deformation.
-    reach: Array
+    spring_end_matrices: Array
     #: Stiffness matrices of the springs ``(k, 6, 6)``.
     springs: Array
     #: Number of each housing among the r bodies by its name, -1 for a fixed housing.
-    row: dict[str, int]
+    housing_numbers: dict[str, int]
 
     @property
-    def stations(self) -> Array:
+    def body_positions(self) -> Array:
         """Return the axial positions ``(r,)`` [m] of the shaft nodes, then those of the moving housings."""
-        return np.concatenate([self.nodes, self.at])
+        return np.concatenate([self.nodes, self.housing_positions])
 
 
 def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
@@ -159,7 +159,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
         j = int(np.abs(nodes - x.at).argmin())
-        load[j] += rigid_transport(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
+        load[j] += rigid_motion_transfer_matrix(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
     for i, body in enumerate(moving):
         load[nodes.size + i] += np.concatenate([body.force, body.moment])
     sections = element_sections(assembly, nodes, section)
@@ -172,7 +172,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
     return Structure(nodes, places, sections, fixed, prescribed, load, ends, reach, springs, row)
 
 
-def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
+def _springs(assembly: Assembly, moving_housings: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
     """Return which bodies the springs of the housings join, the lever arms of the springs' ends, and their stiffness.
 
     Springs join two housings, or a housing and the fixed frame.
@@ -181,7 +181,7 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
     ----------
     assembly
         Assembly with housings and joints.
-    moving
+    moving_housings
         Housings that move.
     row
         Number of each housing among the bodies of the `Structure`.
@@ -191,14 +191,14 @@ def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> 
     tuple[Ints, Array, Array]
         Fields ``ends``, ``reach`` and ``springs`` of `Structure`.
     """
-    at = {h.name: h.at for h in moving}
+    at = {h.name: h.at for h in moving_housings}
     unit, none = np.eye(6), np.zeros((6, 6))
     springs: list[tuple[int, int, Array, Array, Array]] = [
-        (row[h.name], -1, unit, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
+        (row[h.name], -1, unit, none, np.array(h.stiffness)) for h in moving_housings if h.stiffness is not None
     ]
     for j in assembly.joints:
         names = j.first, j.second
-        near = [rigid_transport(j.at - at[name]) if name in at else none for name in names]
+        near = [rigid_motion_transfer_matrix(j.at - at[name]) if name in at else none for name in names]
         springs.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
     ends = np.array([x[:2] for x in springs], dtype=np.int64).reshape(-1, 2)
     reach = np.array([x[2:4] for x in springs]).reshape(-1, 2, 6, 6)
@@ -221,7 +221,9 @@ def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> flo
         Length [m] by which moments are divided where they are compared with forces.
     """
     worst, per = 0.0, np.repeat([1.0, arm], 3)
-    for ends, reach, K in zip(structure.ends, np.abs(structure.reach), structure.springs, strict=True):
+    for ends, reach, K in zip(
+        structure.spring_bodies, np.abs(structure.spring_end_matrices), structure.springs, strict=True
+    ):
         moved = sum((reach[e] @ np.abs(q[row]) for e, row in enumerate(ends) if row >= 0), start=np.zeros(6))
         force = np.abs(K) @ moved
         worst = max([worst, *(float((reach[e].T @ force / per).max()) for e, row in enumerate(ends) if row >= 0)])
@@ -244,9 +246,9 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
         ``(6 r, 6 (1 + m))``: six motions of the shaft, then of each housing.
     """
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    n, m = structure.nodes.size, structure.at.size
+    n, m = structure.nodes.size, structure.housing_positions.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
-    out[:n, :, :6] = rigid_transport(structure.nodes - structure.nodes[0]) @ scale
+    out[:n, :, :6] = rigid_motion_transfer_matrix(structure.nodes - structure.nodes[0]) @ scale
     for j in range(m):
         out[n + j, :, 6 + 6 * j : 12 + 6 * j] = scale
     return out.reshape(6 * (n + m), -1)
@@ -266,7 +268,7 @@ def restraints_on_rigid_motions(structure: Structure, motions: Array) -> Array:
     """
     arms = motions.reshape(-1, 6, motions.shape[1])
     rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
-    for (a, b), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+    for (a, b), near, K in zip(structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True):
         moved = sum((near[e] @ arms[i] for e, i in enumerate((a, b)) if i >= 0), start=np.zeros((6, motions.shape[1])))
         size = np.sqrt(np.where(np.diag(K) > 0.0, np.diag(K), 1.0))
         value, vector = np.linalg.eigh(K / size[:, None] / size[None, :])

@@ -8,36 +8,36 @@ from functools import partial
 
 import numpy as np
 
-from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing
-from rollbench.lowfi.statics.axis.held import APEX, reversed_status
+from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices, tapered_bearing_of_row
+from rollbench.lowfi.statics.axis.held import APEX, status_of_reversed_thrust
 from rollbench.lowfi.statics.axis.system import (
     AssemblyArrays,
     BallSet,
     RollerSet,
+    body_of_reported_stiffness,
     describe_left_out_flanks,
-    reported_body_number,
-    reported_location,
+    location_of_reported_stiffness,
 )
 from rollbench.lowfi.statics.kernel_types import MotionState
 from rollbench.lowfi.statics.problem import SolvedState
 from rollbench.lowfi.statics.result import AxisResult, Equilibrium, HousingResult, SetResult, SolverReport, Status
 from rollbench.lowfi.statics.settle import ACCEPTED
-from rollbench.lowfi.statics.shape import rigid_transport
+from rollbench.lowfi.statics.shape import rigid_motion_transfer_matrix
 from rollbench.lowfi.statics.summary import (
     BALANCE,
     MODEL_ASSUMPTIONS,
     add_reason_not_unique,
     check_equilibrium,
     contact_result,
-    net_forces,
+    magnitudes_of_net_ball_forces,
     nodal_reactions,
     resultant_about_origin,
+    resultant_of_loads,
     round_off_forces,
     status_after_equilibrium_check,
-    wrench_of,
 )
 from rollbench.lowfi.statics.validity import contact_warnings, large_tilt_warning, rotation_warning
-from rollbench.lowfi.warned import Warned
+from rollbench.lowfi.warned import ResultWarning
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, RollerRow
 
@@ -66,14 +66,14 @@ class SolveRecord:
     #: Effort and accuracy of the solve.
     report: SolverReport
     #: Description in words of the motions that are pinned because nothing resists them; empty if there are none.
-    loose: str
+    pinned_motions_text: str
     #: Forces and moments at the fixed degrees of freedom of shaft nodes and moving housings ``(r, 6)`` [N, N m].
-    held: Array
+    support_reactions: Array
     #: Tangent stiffness ``(6, 6)`` [N/m, N, N m] of each ball nut and ball bearing by itself.
-    sets: Sequence[Array]
+    set_stiffnesses: Sequence[Array]
     #: Tangent stiffness of the whole assembly at the reported shaft node or housing ``(6, 6)`` [N/m, N, N m]; None if the
     #: assembly has no stiffness there.
-    whole: Array | None
+    assembly_stiffness: Array | None
     #: Name of the model.
     model: str
     #: Assumptions of the model, as sentences.
@@ -81,12 +81,12 @@ class SolveRecord:
     #: Effects that the model neglects, as sentences.
     left_out: tuple[str, ...]
     #: Motions of the flanks of each ball nut and ball bearing ``(N, 4, 2)`` [m].
-    shifts: Sequence[Array]
+    flank_motions: Sequence[Array]
     #: Force by which the solver divided its residual [N]: the largest force in the model.
-    scale: float
+    residual_force_scale: float
 
 
-def assemble_axis(system: AssemblyArrays, state: MotionState, end: SolveRecord) -> AxisResult:
+def assemble_axis(system: AssemblyArrays, state: MotionState, solve_record: SolveRecord) -> AxisResult:
     """Return the result of a solved assembly: bearings, housings, reactions, equilibrium check, stiffness and status.
 
     Parameters
@@ -95,28 +95,32 @@ def assemble_axis(system: AssemblyArrays, state: MotionState, end: SolveRecord) 
         Arrays of the assembly.
     state
         Motions of shaft nodes and housings, and all contacts.
-    end
+    solve_record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     assembly, structure = system.assembly, system.structure
-    r, n = structure.stations.size, structure.nodes.size
-    by_name = {b.of.name: ball_result(system, i, state, end) for i, b in enumerate(system.balls)}
-    by_name |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
+    r, n = structure.body_positions.size, structure.nodes.size
+    by_name = {b.rolling_set.name: ball_result(system, i, state, solve_record) for i, b in enumerate(system.ball_sets)}
+    by_name |= {x.rolling_set.name: roller_result(x, state, structure.body_positions) for x in system.roller_sets}
     sets = tuple(by_name[s.name] for s in assembly.sets)
-    balance = _shaft_equilibrium(system, state, end, sets)
-    housings = tuple(_housing_result(system, i, sets, state.q, end) for i in range(r - n))
+    balance = _shaft_equilibrium(system, state, solve_record, sets)
+    housings = tuple(_housing_result(system, i, sets, state.q, solve_record) for i in range(r - n))
     of_rollers = partial(roller_warnings, z=structure.nodes, motion=state.q[:n])
     warnings = tuple(
         w.with_part_name(s.of.name) for s in sets for w in (s.balls.warnings if s.balls is not None else of_rollers(s))
     )
-    status = add_reason_not_unique(status_after_assembly_check(end.status, system, balance, housings), warnings)
+    status = add_reason_not_unique(status_after_assembly_check(solve_record.status, system, balance, housings), warnings)
     if status == "converged":
-        status = status_of_reversed_bearing(system, sets, end.scale) or status
-    held = (f"{end.loose}: fixed at its initial position, as no load drives and nothing resists it",) if end.loose else ()
-    at = reported_location(assembly)
-    station = None if isinstance(at, str) else float(structure.nodes[reported_body_number(system)])
+        status = status_of_reversed_bearing(system, sets, solve_record.residual_force_scale) or status
+    held = (
+        (f"{solve_record.pinned_motions_text}: fixed at its initial position, as no load drives and nothing resists it",)
+        if solve_record.pinned_motions_text
+        else ()
+    )
+    at = location_of_reported_stiffness(assembly)
+    station = None if isinstance(at, str) else float(structure.nodes[body_of_reported_stiffness(system)])
     return AxisResult(
-        model=end.model,
+        model=solve_record.model,
         status=status,
         sets=sets,
         housings=housings,
@@ -125,12 +129,12 @@ def assemble_axis(system: AssemblyArrays, state: MotionState, end: SolveRecord) 
         equilibrium=balance,
         stiffness_at=f"shaft at {1e3 * station:.6g} mm" if station is not None else str(at),
         station=station,
-        stiffness=end.whole,
-        solver=end.report,
-        assumed=(*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        left_out=(*held, *end.left_out, *describe_left_out_flanks(system)),
+        stiffness=solve_record.assembly_stiffness,
+        solver=solve_record.report,
+        assumed=(*assembly.assumed, *solve_record.assumed, *((ROLLERS,) if system.roller_sets else ())),
+        left_out=(*held, *solve_record.left_out, *describe_left_out_flanks(system)),
         warnings=warnings,
-        reactions=nodal_reactions(structure.nodes, assembly.supports, end.held[:n]),
+        reactions=nodal_reactions(structure.nodes, assembly.supports, solve_record.support_reactions[:n]),
     )
 
 
@@ -153,9 +157,9 @@ def status_after_assembly_check(
         Results of the housings with their residuals.
     """
     frozen, ball = system.assembly.ingredients.arm == "nominal", ""
-    for b in system.balls:
-        if b.balls.start < balance.worst_ball <= b.balls.stop:
-            ball = f"ball {balance.worst_ball - b.balls.start} of {b.of.name}"
+    for b in system.ball_sets:
+        if b.ball_indices.start < balance.worst_ball <= b.ball_indices.stop:
+            ball = f"ball {balance.worst_ball - b.ball_indices.start} of {b.rolling_set.name}"
     status = status_after_equilibrium_check(status, balance, frozen, "the shaft", ball)
     worst = max(housings, key=lambda h: h.residual, default=None)
     if status == "converged" and worst is not None and not frozen and not worst.residual <= BALANCE:
@@ -182,11 +186,11 @@ def status_of_reversed_bearing(system: AssemblyArrays, sets: Sequence[SetResult]
             if past.any():
                 worst = int(np.where(past, s.balls.load, 0.0).argmax())
                 load, angle = s.balls.load.flat[worst], s.balls.contact_angle.flat[worst]
-                return reversed_status(system, s.of.name, s.of.thrust, float(angle), float(load))
+                return status_of_reversed_thrust(system, s.of.name, s.of.thrust, float(angle), float(load))
     return None
 
 
-def ball_result(system: AssemblyArrays, i: int, state: MotionState, end: SolveRecord) -> SetResult:
+def ball_result(system: AssemblyArrays, i: int, state: MotionState, solve_record: SolveRecord) -> SetResult:
     """Return the result of one ball nut or ball bearing: contacts, and force and moment on the shaft and on nut or ring.
 
     Parameters
@@ -197,66 +201,86 @@ def ball_result(system: AssemblyArrays, i: int, state: MotionState, end: SolveRe
         Number of the nut or bearing among those with balls.
     state
         Motions of shaft nodes and housings, and all contacts.
-    end
+    solve_record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
-    b = system.balls[i]
+    b = system.ball_sets[i]
     problem = b.problem
-    contact = state.contact[b.balls]
-    force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.balls].copy()
-    shifts = end.shifts[i] if problem.drawn.profile.shape[1] else None
+    contact = state.contact[b.ball_indices]
+    force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.ball_indices].copy()
+    shifts = solve_record.flank_motions[i] if problem.drawn.profile_coefficients.shape[1] else None
     motion = state.q[: problem.nodes.size]
     largest = float(force.max(initial=0.0))
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
-    result = contact_result(solved, problem.nodes, motion, end.report, arc_on_both_sides=b.of.thrust == "deep groove")
+    result = contact_result(
+        solved, problem.nodes, motion, solve_record.report, arc_on_both_sides=b.rolling_set.thrust == "deep groove"
+    )
     forces = -result.force_direction * force[..., None]
     on_shaft, back = (
-        _sum_at(result.contact_point[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4))
+        _resultant_about_axis_point(result.contact_point[:, half], forces[:, half], b.rolling_set.position)
+        for half in (slice(2), slice(2, 4))
     )
-    outer = _outer_part_motion(b, state, system.structure.stations)
-    return SetResult(b.of, *on_shaft, np.concatenate(back), end.sets[i], outer, result)
+    outer = _outer_part_motion(b, state, system.structure.body_positions)
+    return SetResult(b.rolling_set, *on_shaft, np.concatenate(back), solve_record.set_stiffnesses[i], outer, result)
 
 
-def roller_result(x: RollerSet, state: MotionState, stations: Array) -> SetResult:
+def roller_result(roller_set: RollerSet, state: MotionState, stations: Array) -> SetResult:
     """Return the result of one tapered roller bearing: roller loads, force and moment on the shaft, and stiffness.
 
     Parameters
     ----------
-    x
+    roller_set
         The bearing.
     state
         Motions of shaft nodes and housings, and all contacts.
     stations
         Axial positions of shaft nodes and moving housings [m].
     """
-    slices = state.slices[x.slices]
-    inner = float(stations[x.arrays.row[0, 0]])
-    B = x.arrays.B[:, 0] @ rigid_transport(inner - x.of.position)
+    slices = state.slices[roller_set.slice_indices]
+    inner = float(stations[roller_set.slice_arrays.ring_bodies[0, 0]])
+    B = roller_set.slice_arrays.B[:, 0] @ rigid_motion_transfer_matrix(inner - roller_set.rolling_set.position)
     wrench, K = -slices[:, 0] @ B, (B.T * slices[:, 1]) @ B
-    loads = slices[:, 0].reshape(x.row.count, x.row.slices)
-    lines = loads * x.row.slices / x.row.length
-    outer = _outer_part_motion(x, state, stations)
-    return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, outer, None, x.azimuths, loads.sum(axis=1), lines)
+    loads = slices[:, 0].reshape(roller_set.roller_row.count, roller_set.roller_row.slices)
+    lines = loads * roller_set.roller_row.slices / roller_set.roller_row.length
+    outer = _outer_part_motion(roller_set, state, stations)
+    return SetResult(
+        roller_set.rolling_set,
+        wrench[:3],
+        wrench[3:],
+        -wrench,
+        K,
+        outer,
+        None,
+        roller_set.roller_azimuths,
+        loads.sum(axis=1),
+        lines,
+    )
 
 
-def _outer_part_motion(x: BallSet | RollerSet, state: MotionState, stations: Array) -> Array:
+def _outer_part_motion(rolling_set: BallSet | RollerSet, state: MotionState, stations: Array) -> Array:
     """Return the motion ``(6,)`` [m, rad] of an outer ring or nut at its axial position, its prescribed offset included.
 
     Parameters
     ----------
-    x
+    rolling_set
         Bearing or nut.
     state
         Motions of shaft nodes and housings.
     stations
         Axial positions of shaft nodes and moving housings [m].
     """
-    row = x.outer if isinstance(x, BallSet) else int(x.arrays.row[0, 1])
-    moved = rigid_transport(x.of.position - float(stations[row])) @ state.q[row] if row >= 0 else np.zeros(6)
-    return np.asarray(moved + np.array([0.0, 0.0, x.of.offset, 0.0, 0.0, 0.0]))
+    row = (
+        rolling_set.outer_body_row if isinstance(rolling_set, BallSet) else int(rolling_set.slice_arrays.ring_bodies[0, 1])
+    )
+    moved = (
+        rigid_motion_transfer_matrix(rolling_set.rolling_set.position - float(stations[row])) @ state.q[row]
+        if row >= 0
+        else np.zeros(6)
+    )
+    return np.asarray(moved + np.array([0.0, 0.0, rolling_set.rolling_set.offset, 0.0, 0.0, 0.0]))
 
 
-def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
+def _resultant_about_axis_point(points: Array, forces: Array, station: float) -> tuple[Array, Array]:
     """Return the resultant force [N] of contact forces, and their moment [N m] about a point of the shaft's axis.
 
     Parameters
@@ -273,30 +297,30 @@ def _sum_at(points: Array, forces: Array, station: float) -> tuple[Array, Array]
 
 
 def _shaft_equilibrium(
-    system: AssemblyArrays, state: MotionState, end: SolveRecord, sets: tuple[SetResult, ...]
+    system: AssemblyArrays, state: MotionState, solve_record: SolveRecord, sets: tuple[SetResult, ...]
 ) -> Equilibrium:
     """Return the check of equilibrium of the shaft: external loads, support reactions, and forces of bearings and nuts.
 
-    ``state``: solved motions; ``end``: data of the finished solve; ``sets``: results of the bearings and nuts.
+    ``state``: solved motions; ``solve_record``: data of the finished solve; ``sets``: results of the bearings and nuts.
     """
     nodes = system.structure.nodes
-    applied, contact = wrench_of(system.assembly.loads), np.zeros(6)
-    reaction = resultant_about_origin(nodes, end.held[: nodes.size])
-    largest = end.scale
+    applied, contact = resultant_of_loads(system.assembly.loads), np.zeros(6)
+    reaction = resultant_about_origin(nodes, solve_record.support_reactions[: nodes.size])
+    largest = solve_record.residual_force_scale
     for s in (x for x in sets if x.of.carrier is None):
-        contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])
+        contact += rigid_motion_transfer_matrix(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    noise = round_off_forces(np.diff(nodes), system.axis.sections, state.q[: nodes.size])
-    net = net_forces(state.contact[..., 0], state.contact[..., 1:3])
+    noise = round_off_forces(np.diff(nodes), system.structure_arrays.sections, state.q[: nodes.size])
+    net = magnitudes_of_net_ball_forces(state.contact[..., 0], state.contact[..., 1:3])
     return check_equilibrium(
-        (applied, reaction, contact, np.zeros(6)), size, system.arm, noise, net[: system.contacts.r_ball.size]
+        (applied, reaction, contact, np.zeros(6)), size, system.moment_arm, noise, net[: system.ball_arrays.r_ball.size]
     )
 
 
 def _housing_result(
-    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, end: SolveRecord
+    system: AssemblyArrays, i: int, sets: tuple[SetResult, ...], q: Array, solve_record: SolveRecord
 ) -> HousingResult:
     """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
@@ -313,34 +337,38 @@ def _housing_result(
         Results of bearings and nuts.
     q
         Motions of shaft nodes and moving housings ``(r, 6)`` [m, rad].
-    end
+    solve_record
         Data of the finished solve: its status, effort, stiffness, assumptions.
     """
     structure = system.structure
     row = structure.nodes.size + i
-    at = float(structure.at[i])
+    at = float(structure.housing_positions[i])
     springs = np.zeros(6)
-    for (first, second), reach, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+    for (first, second), reach, K in zip(
+        structure.spring_bodies, structure.spring_end_matrices, structure.springs, strict=True
+    ):
         ends = [(e, x) for e, x in enumerate((first, second)) if x >= 0]
         force = K @ sum((reach[e] @ q[x] for e, x in ends), start=np.zeros(6))
         springs -= sum((reach[e].T @ force for e, x in ends if x == row), start=np.zeros(6))
-    name = next(name for name, k in structure.row.items() if k == row)
+    name = next(name for name, k in structure.housing_numbers.items() if k == row)
     carried = np.zeros(6)
     for s in sets:
-        reach = rigid_transport(s.of.position - at).T
+        reach = rigid_motion_transfer_matrix(s.of.position - at).T
         if s.of.housing == name:
             carried += reach @ s.reaction
         if s.of.carrier == name:
             carried += reach @ np.concatenate([s.force, s.moment])
-    wrench = end.held[row] + springs
+    wrench = solve_record.support_reactions[row] + springs
     balance = structure.load[row] + carried + wrench
     pushes = [s.force for s in sets if name in (s.of.housing, s.of.carrier)]
-    size = max(end.scale, *(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes)))
-    left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.arm)
+    size = max(
+        solve_record.residual_force_scale, *(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes))
+    )
+    left = max(float(np.abs(balance[:3]).max()), float(np.abs(balance[3:]).max()) / system.moment_arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 
 
-def failed_axis(
+def axis_result_without_equilibrium(
     assembly: Assembly, model: str, status: Status, seconds: float, assumed: tuple[str, ...] = AXIS_ASSUMPTIONS
 ) -> AxisResult:
     """Return the result of an assembly without equilibrium: its status gives the reason, and there are no loads.
@@ -371,24 +399,24 @@ def failed_axis(
     )
 
 
-def roller_warnings(s: SetResult, z: Array, motion: Array) -> tuple[Warned, ...]:
+def roller_warnings(set_result: SetResult, z: Array, motion: Array) -> tuple[ResultWarning, ...]:
     """Return the warnings that contacts of a tapered roller bearing lie outside the model's range of validity.
 
     Parameters
     ----------
-    s
+    set_result
         Result of the bearing; for a ball bearing or nut the returned tuple is empty.
     z
         Axial positions of the shaft's centreline ``(k,)`` [m].
     motion
         Motions of the shaft there ``(k, 6)`` [m, rad].
     """
-    if not isinstance(s.of.parts, RollerRow) or s.line_loads is None:
+    if not isinstance(set_result.of.parts, RollerRow) or set_result.line_loads is None:
         return ()
-    bearing = tapered_bearing(s.of.parts)
-    half_width, pressure = half_widths_and_pressures_of_slices(bearing, s.line_loads)
-    approach = float(bearing.law().approach(s.line_loads).max(initial=0.0))
-    rx, ry = (float(np.interp(s.of.position, z, motion[:, k])) for k in (3, 4))
+    bearing = tapered_bearing_of_row(set_result.of.parts)
+    half_width, pressure = half_widths_and_pressures_of_slices(bearing, set_result.line_loads)
+    approach = float(bearing.approach_law().approach(set_result.line_loads).max(initial=0.0))
+    rx, ry = (float(np.interp(set_result.of.position, z, motion[:, k])) for k in (3, 4))
     return (
         *contact_warnings(pressure.max(axis=1), half_width.max(axis=1), 0.5 * bearing.diameter, "roller"),
         *large_tilt_warning(float(np.hypot(rx, ry)), 0.5 * bearing.pitch_diameter, approach, "roller"),

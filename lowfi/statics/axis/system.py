@@ -18,30 +18,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollbench.lowfi.hertz import contact_force
-from rollbench.lowfi.rollers import slice_middles, tapered_bearing
+from rollbench.lowfi.rollers import slice_middles, tapered_bearing_of_row
 from rollbench.lowfi.statics.axis.structure import Structure, structure_of
-from rollbench.lowfi.statics.contacts import hertz_C
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel.beam import element_constants
 from rollbench.lowfi.statics.kernel_types import AxisArrays, AxisBalls, AxisRollers, MotionState, RollerContacts
 from rollbench.lowfi.statics.problem import (
     Problem,
     flank_motion_matrix,
     largest_interference,
-    pack_geometry,
+    pack_contact_data,
     round_off_approach,
 )
-from rollbench.lowfi.statics.settle import ContactState, Scale
+from rollbench.lowfi.statics.settle import ContactState, ResidualScale
 from rollbench.lowfi.statics.shape import motion_matrices
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet
-from rollbench.meshes.errors import Specimen, draw_specimen
+from rollbench.meshes.errors import GeometryWithErrors, draw_geometry_with_errors
 from rollbench.meshes.helix import BallLayout, ball_layout
 from rollbench.meshes.parts import SIDES, Load, Scene
 from rollbench.meshes.section import BeamSection, contact_force_positions
 
 Ints = NDArray[np.int64]
 #: Positions of the balls of one bearing row or ball nut, and its dimensions with random manufacturing errors.
-Placed = tuple[BallLayout, Specimen]
+Placed = tuple[BallLayout, GeometryWithErrors]
 
 #: Which of the flanks SL, SR, NL, NR can be loaded, by the direction of the thrust on the shaft that a bearing row or ball
 #: nut carries. The diagonal pair SL-NR closes under thrust along +z.
@@ -61,15 +61,15 @@ class BallSet:
     """
 
     #: The bearing row or ball nut.
-    of: RollingSet
+    rolling_set: RollingSet
     #: Contact problem of these balls, with the nodes of the whole shaft.
     problem: Problem
     #: Indices of these balls among the balls of the whole assembly.
-    balls: slice
+    ball_indices: slice
     #: Motion row of the housing of the nut or outer ring; -1 if the housing is fixed.
-    outer: int
+    outer_body_row: int
     #: Number of the first body (shaft node or moving housing) that moves each flank ``(N, 4)``; -1 if the flank is fixed.
-    row: Ints
+    first_body_rows: Ints
     #: Motions of the flanks, radial and along the helix's binormal, per unit of the six motions of this body (m = 6), or of
     #: the motions of this body and the next one (m = 12): ``(N, 4, 2, m)``.
     B: Array
@@ -85,8 +85,10 @@ class BallSet:
         housing do not move; prescribed offsets are not included.
         """
         flat = motions.reshape(-1, *motions.shape[2:])
-        found = np.einsum("nsak,nsk...->nsa...", self.B, flat[6 * self.row[..., None] + np.arange(self.B.shape[3])])
-        found[self.row < 0] = 0.0
+        found = np.einsum(
+            "nsak,nsk...->nsa...", self.B, flat[6 * self.first_body_rows[..., None] + np.arange(self.B.shape[3])]
+        )
+        found[self.first_body_rows < 0] = 0.0
         return np.asarray(found)
 
     def coefficients_of_one_body(self, flanks: slice) -> Array:
@@ -104,15 +106,15 @@ class RollerSet:
     """Rollers of one tapered roller bearing of an assembly, divided into slices across their axes."""
 
     #: The bearing as a rolling set of the assembly, with its position, housing and direction of thrust.
-    of: RollingSet
+    rolling_set: RollingSet
     #: Dimensions of the rollers and raceways.
-    row: RollerRow
+    roller_row: RollerRow
     #: Indices of the slices of this bearing among the slices of all roller bearings.
-    slices: slice
+    slice_indices: slice
     #: Azimuths of its rollers ``(count,)`` [rad].
-    azimuths: Array
+    roller_azimuths: Array
     #: Arrays of the slices for the kernels.
-    arrays: AxisRollers
+    slice_arrays: AxisRollers
 
 
 @dataclass
@@ -124,17 +126,17 @@ class AssemblyArrays:
     #: Shaft, housings and springs.
     structure: Structure
     #: Ball nuts and ball bearings.
-    balls: list[BallSet]
+    ball_sets: list[BallSet]
     #: Tapered roller bearings.
-    rollers: list[RollerSet]
+    roller_sets: list[RollerSet]
     #: Largest pitch radius of the bearings and nuts [m]; moments are divided by it where they are compared with forces.
-    arm: float
+    moment_arm: float
     #: Arrays of shaft, housings and springs for the kernels.
-    axis: AxisArrays = field(repr=False)
+    structure_arrays: AxisArrays = field(repr=False)
     #: Arrays of all balls for the kernels.
-    contacts: AxisBalls = field(repr=False)
+    ball_arrays: AxisBalls = field(repr=False)
     #: Arrays of the slices of all rollers for the kernels.
-    slices: AxisRollers = field(repr=False)
+    roller_slice_arrays: AxisRollers = field(repr=False)
 
 
 def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
@@ -149,7 +151,7 @@ def ball_positions(assembly: Assembly, member: int = 0) -> list[Placed]:
     """
     scenes = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
     layouts = [ball_layout(scene) for scene in scenes]
-    return [(x, draw_specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
+    return [(x, draw_geometry_with_errors(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
 
 
 def build_assembly_arrays(
@@ -195,14 +197,15 @@ def build_assembly_arrays(
     first = 0
     for (rolling, scene), use, place in zip(parts, built, placements, strict=True):
         balls.append(_ball_set(rolling, scene, structure, use, place, first))
-        first = balls[-1].balls.stop
+        first = balls[-1].ball_indices.stop
     rollers: list[RollerSet] = []
     first = 0
     for rolling, row in rows:
         rollers.append(_roller_set(rolling, row, structure, first))
-        first = rollers[-1].slices.stop
+        first = rollers[-1].slice_indices.stop
     arm = max(
-        [b.problem.scene.track.pitch_radius for b in balls] + [tapered_bearing(r.row).pitch_diameter / 2.0 for r in rollers]
+        [b.problem.scene.track.pitch_radius for b in balls]
+        + [tapered_bearing_of_row(r.roller_row).pitch_diameter / 2.0 for r in rollers]
     )
     contacts, slices = _concatenate_balls(balls), _concatenate_rollers(rollers)
     return AssemblyArrays(
@@ -214,10 +217,10 @@ def _ball_set(
     rolling: RollingSet,
     scene: Scene,
     structure: Structure,
-    use: NDArray[np.bool_],
+    used_flanks: NDArray[np.bool_],
     positions_and_errors: Placed,
     first_ball: int,
-    arms: Array | None = None,
+    centre_of_curvature_shifts: Array | None = None,
 ) -> BallSet:
     """Return the balls of one ball nut or bearing row, with the motions of their flanks by shaft nodes and housing.
 
@@ -229,39 +232,39 @@ def _ball_set(
         Its dimensions.
     structure
         Shaft, housings and springs.
-    use
+    used_flanks
         Which of the flanks SL, SR, NL, NR get contacts ``(4,)``.
     positions_and_errors
         Positions of the balls, and dimensions with their random manufacturing errors.
     first_ball
         Index of the first ball among all balls of the assembly.
-    arms
+    centre_of_curvature_shifts
         Shifts of the flanks' centres of curvature by profile errors ``(N, 4, 2)`` [m]; None: zero.
     """
     layout, drawn = positions_and_errors
-    parts = (scene, drawn, layout, arms)
-    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
+    parts = (scene, drawn, layout, centre_of_curvature_shifts)
+    geometry, closure = pack_contact_data(scene, drawn, hertz_constants_by_scene_choice(scene, drawn), used_flanks)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_force_positions(scene, layout)
-    nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(use[:2]))
+    nodal, built = scene.ingredients.partition == "nodal", int(np.argmax(used_flanks[:2]))
     if rolling.carrier is not None:
-        node = np.full((N, 2), structure.row[rolling.carrier])
+        node = np.full((N, 2), structure.housing_numbers[rolling.carrier])
     elif nodal:
         node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
-        node[:, ~use[:2]] = node[:, [built]]
-    outer = -1 if rolling.housing is None else structure.row[rolling.housing]
-    at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
+        node[:, ~used_flanks[:2]] = node[:, [built]]
+    outer = -1 if rolling.housing is None else structure.housing_numbers[rolling.housing]
+    at = float(structure.housing_positions[outer - n]) if outer >= 0 else scene.nut.position
     on_nut = np.stack([flank_motion_matrix(parts, s, np.full(N, at)) for s in (2, 3)], axis=1)
     v0 = np.zeros((N, 4, 2))
     v0[:, 2:] = rolling.offset * on_nut[..., 2]
     if nodal or rolling.carrier is not None:
-        on_screw = np.stack([flank_motion_matrix(parts, s, structure.stations[node[:, s]]) for s in range(2)], axis=1)
+        on_screw = np.stack([flank_motion_matrix(parts, s, structure.body_positions[node[:, s]]) for s in range(2)], axis=1)
     else:
-        sides = [s if use[s] else built for s in range(2)]
+        sides = [s if used_flanks[s] else built for s in range(2)]
         around = [interpolate_shaft_motions(structure, stations[:, s]) for s in range(2)]
         node = np.stack([around[s][0] for s in sides], axis=1)
         on_screw = np.stack([flank_motion_matrix(parts, s, stations[:, s]) @ around[s][1] for s in sides], axis=1)
-    width, r = (6 if nodal else 12), structure.stations.size
+    width, r = (6 if nodal else 12), structure.body_positions.size
     pieces = pad_to_two_bodies(node, on_screw, width, r), pad_to_two_bodies(np.full((N, 2), outer), on_nut, width, r)
     row, B = (np.concatenate(x, axis=1) for x in zip(*pieces, strict=True))
     problem = Problem(
@@ -273,11 +276,11 @@ def _ball_set(
         fixed=structure.fixed[:n],
         prescribed=structure.prescribed[:n],
         load=structure.load[:n],
-        node=node,
+        first_nodes=node,
         B=B[:, :2],
         geometry=geometry,
-        closure=closure,
-        use=use,
+        interference=closure,
+        used_flanks=used_flanks,
         left_out_elements=0,
     )
     return BallSet(rolling, problem, slice(first_ball, first_ball + N), outer, row, B, v0)
@@ -328,24 +331,30 @@ def pad_to_two_bodies(body: Ints, B: Array, width: int, body_count: int) -> tupl
     return body - last, np.where(last[..., None, None], second, first)
 
 
-def with_lever_arms(system: AssemblyArrays, arms: Sequence[Array]) -> AssemblyArrays:
+def replace_lever_arms(system: AssemblyArrays, centre_of_curvature_shifts: Sequence[Array]) -> AssemblyArrays:
     """Return the arrays of an assembly with new lever arms of the contact forces and unchanged Hertz constants.
 
     Parameters
     ----------
     system
         Arrays of the assembly.
-    arms
+    centre_of_curvature_shifts
         For each ball nut or ball bearing, the shifts ``(N, 4, 2)`` [m] of its flanks' centres of curvature by profile
         errors; contact forces act through these centres.
     """
     balls = []
-    for b, m in zip(system.balls, arms, strict=True):
+    for b, m in zip(system.ball_sets, centre_of_curvature_shifts, strict=True):
         p = b.problem
-        longer = _ball_set(b.of, p.scene, system.structure, p.use, (p.layout, p.drawn), b.balls.start, m)
+        longer = _ball_set(
+            b.rolling_set, p.scene, system.structure, p.used_flanks, (p.layout, p.drawn), b.ball_indices.start, m
+        )
         longer.problem.C[:] = p.C
         balls.append(longer)
-    return replace(system, balls=balls, contacts=_concatenate_balls(balls)._replace(tiny=system.contacts.tiny))
+    return replace(
+        system,
+        ball_sets=balls,
+        ball_arrays=_concatenate_balls(balls)._replace(unloaded_force_limit=system.ball_arrays.unloaded_force_limit),
+    )
 
 
 def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: Array | None = None) -> list[ContactState]:
@@ -360,22 +369,25 @@ def contact_states_of_sets(system: AssemblyArrays, state: MotionState, shifts: A
     shifts
         Motions ``(N, 4, 2)`` [m] of the flanks of all balls; None: computed from the motions in ``state``.
     """
-    moved = [flank_motions_of_set(b, state.q) if shifts is None else shifts[b.balls] for b in system.balls]
+    moved = [flank_motions_of_set(b, state.q) if shifts is None else shifts[b.ball_indices] for b in system.ball_sets]
     contact, centre = state.contact, state.p
-    return [ContactState(b.problem, contact[b.balls], centre[b.balls], m) for b, m in zip(system.balls, moved, strict=True)]
+    return [
+        ContactState(b.problem, contact[b.ball_indices], centre[b.ball_indices], m)
+        for b, m in zip(system.ball_sets, moved, strict=True)
+    ]
 
 
-def flank_motions_of_set(b: BallSet, q: Array) -> Array:
+def flank_motions_of_set(ball_set: BallSet, q: Array) -> Array:
     """Return the motions ``(N, 4, 2)`` [m] of the flanks of one ball nut or bearing, prescribed offsets included.
 
     Parameters
     ----------
-    b
+    ball_set
         The ball nut or bearing, with N balls.
     q
         Motions ``(r, 6)`` [m, rad] of the r bodies: shaft nodes and moving housings.
     """
-    return np.asarray(b.v0 + b.flank_motions(q))
+    return np.asarray(ball_set.v0 + ball_set.flank_motions(q))
 
 
 def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
@@ -384,13 +396,13 @@ def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
     The contact data ``geometry`` of each problem in ``sets`` is replaced by a view of the joint array, so that both see an
     update of the Hertz constants. The polynomials of the flanks' profile errors are padded with zeros to the same degree.
     """
-    degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
+    degree = max((b.problem.drawn.profile_coefficients.shape[1] for b in sets), default=0)
     row, profile = [], []
     for b in sets:
         N = b.problem.layout.z.size
-        row.append(b.row)
+        row.append(b.first_body_rows)
         terms = np.zeros((4, degree))
-        terms[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
+        terms[:, : b.problem.drawn.profile_coefficients.shape[1]] = b.problem.drawn.profile_coefficients
         profile.append(np.broadcast_to(terms, (N, 4, degree)))
 
     def joined(arrays: Sequence[NDArray[Any]], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -399,16 +411,16 @@ def _concatenate_balls(sets: list[BallSet]) -> AxisBalls:
 
     geometry = joined([b.problem.geometry for b in sets], (4, 9))
     for b in sets:  # a view, so that an update of Hertz constants is seen in both places
-        b.problem = replace(b.problem, geometry=geometry[b.balls])
+        b.problem = replace(b.problem, geometry=geometry[b.ball_indices])
     return AxisBalls(
-        row=joined(row, (4,)).astype(np.int64),
+        first_bodies=joined(row, (4,)).astype(np.int64),
         B=joined([b.B for b in sets], (4, 2, sets[0].B.shape[3] if sets else 6)),
         v0=joined([b.v0 for b in sets], (4, 2)),
         geometry=geometry,
-        closure=joined([b.problem.closure for b in sets], (2,)),
-        r_ball=joined([b.problem.drawn.ball_radius for b in sets], ()),
+        interference=joined([b.problem.interference for b in sets], (2,)),
+        r_ball=joined([b.problem.drawn.ball_radii for b in sets], ()),
         profile=joined(profile, (4, degree)),
-        tiny=0.0,
+        unloaded_force_limit=0.0,
     )
 
 
@@ -421,9 +433,9 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
     add up to a force on the same line of action (`lowfi.rollers`). ``structure``: shaft and housings, whose motions move
     cone and cup.
     """
-    n, bearing = structure.nodes.size, tapered_bearing(row)
+    n, bearing = structure.nodes.size, tapered_bearing_of_row(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
-    outer = -1 if rolling.housing is None else structure.row[rolling.housing]
+    outer = -1 if rolling.housing is None else structure.housing_numbers[rolling.housing]
     sign = 1.0 if rolling.thrust == "+z" else -1.0
     sin, cos = np.sin(row.cup_angle), np.cos(row.cup_angle)
     place = slice_middles(row.length, row.slices)
@@ -434,12 +446,15 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
     mean = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1)[:, None, :]
     point = mean + place[None, :, None] * along + np.array([0.0, 0.0, rolling.position])
     normal = np.broadcast_to(normal, point.shape)
-    stations = (float(structure.nodes[inner]), float(structure.at[outer - n]) if outer >= 0 else rolling.position)
+    stations = (
+        float(structure.nodes[inner]),
+        float(structure.housing_positions[outer - n]) if outer >= 0 else rolling.position,
+    )
     B = np.empty((row.count, row.slices, 2, 6))
     for end, (at, direction) in enumerate(zip(stations, (1.0, -1.0), strict=True)):
         arm = point - np.array([0.0, 0.0, at])
         B[:, :, end, :3], B[:, :, end, 3:] = direction * normal, direction * np.cross(arm, normal)
-    law, count = bearing.law(), row.count * row.slices
+    law, count = bearing.approach_law(), row.count * row.slices
     arrays = AxisRollers(
         np.tile([inner, outer], (count, 1)).astype(np.int64),
         B.reshape(count, 2, 6),
@@ -456,7 +471,9 @@ def _concatenate_rollers(sets: list[RollerSet]) -> AxisRollers:
     if not sets:
         none = np.zeros(0)
         return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
-    return AxisRollers(*(np.ascontiguousarray(np.concatenate(x)) for x in zip(*(r.arrays for r in sets), strict=True)))
+    return AxisRollers(
+        *(np.ascontiguousarray(np.concatenate(x)) for x in zip(*(r.slice_arrays for r in sets), strict=True))
+    )
 
 
 def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
@@ -466,14 +483,17 @@ def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slice
     of the matrix from its first coefficient that can differ from zero to the diagonal. To keep it small, each housing is
     numbered right after the last shaft node with which it shares a contact.
     """
-    n, r = structure.nodes.size, structure.stations.size
+    n, r = structure.nodes.size, structure.body_positions.size
     pairs = np.array([(a, b) for a in range(4) for b in range(a)])
     used = contacts.geometry[..., 5] > 0.0
-    joined = [contacts.row[:, p][(used[:, p].all(axis=1)) & (contacts.row[:, p] >= 0).all(axis=1)] for p in pairs]
+    joined = [
+        contacts.first_bodies[:, p][(used[:, p].all(axis=1)) & (contacts.first_bodies[:, p] >= 0).all(axis=1)]
+        for p in pairs
+    ]
     if contacts.B.shape[3] > 6:
         joined = [x + np.array(step) for x in joined for step in np.ndindex(2, 2)]
-    met = np.concatenate([*joined, slices.row[(slices.row >= 0).all(axis=1)]])
-    springs = structure.ends[(structure.ends >= 0).all(axis=1)]
+    met = np.concatenate([*joined, slices.ring_bodies[(slices.ring_bodies >= 0).all(axis=1)]])
+    springs = structure.spring_bodies[(structure.spring_bodies >= 0).all(axis=1)]
     last = np.arange(r, dtype=float)
     last[n:] = 0.0
     for i in range(n, r):
@@ -497,12 +517,12 @@ def _kernel_arrays_of_structure(structure: Structure, contacts: AxisBalls, slice
         constants=np.array([element_constants(*x) for x in zip(lengths, sections, strict=True)]),
         fixed=structure.fixed,
         load=structure.load,
-        ends=structure.ends,
-        reach=structure.reach,
+        spring_bodies=structure.spring_bodies,
+        spring_end_matrices=structure.spring_end_matrices,
         springs=structure.springs,
-        place=place,
-        first=first,
-        start=start,
+        body_order=place,
+        first_columns=first,
+        row_offsets=start,
     )
 
 
@@ -512,25 +532,27 @@ def sum_of_applied_loads(system: AssemblyArrays) -> float:
     Moments count as moment divided by the largest pitch radius.
     """
     bodies: tuple[Load | Housing, ...] = (*system.assembly.loads, *system.assembly.housings)
-    return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.arm for x in bodies))
+    return float(sum(np.abs(x.force).sum() + np.abs(x.moment).sum() / system.moment_arm for x in bodies))
 
 
-def pair_compliance(b: BallSet) -> float:
+def mean_hertz_constant_in_series(ball_set: BallSet) -> float:
     """Return the Hertz constant C [m/N^(2/3)] of a ball's contacts with two opposite flanks in series, mean of all balls.
 
     At a contact force Q, screw and nut (or the rings) approach each other by C Q^(2/3) across the ball.
     """
-    return float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
+    return float(np.mean(ball_set.problem.C[:, 0] + ball_set.problem.C[:, 3]))
 
 
-def preload_approach(b: BallSet) -> float:
+def preload_approach(ball_set: BallSet) -> float:
     """Return the contact approach [m] that preload alone causes in a ball nut or bearing while all bodies are fixed.
 
     Preload comes from oversized balls, or from the prescribed axial offset of the nut or outer ring. The approach is the
     sum of both contacts of a ball.
     """
-    shift = {"+z": -b.of.offset, "-z": b.of.offset}.get(b.of.thrust, abs(b.of.offset))
-    return max(largest_interference(b.problem), shift * float(np.sin(b.problem.scene.track.contact_angle)))
+    shift = {"+z": -ball_set.rolling_set.offset, "-z": ball_set.rolling_set.offset}.get(
+        ball_set.rolling_set.thrust, abs(ball_set.rolling_set.offset)
+    )
+    return max(largest_interference(ball_set.problem), shift * float(np.sin(ball_set.problem.scene.track.contact_angle)))
 
 
 def mean_load_per_element(system: AssemblyArrays) -> float:
@@ -538,23 +560,25 @@ def mean_load_per_element(system: AssemblyArrays) -> float:
 
     Moments count as moment divided by the largest pitch radius (`sum_of_applied_loads`).
     """
-    return sum_of_applied_loads(system) / max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
+    return sum_of_applied_loads(system) / max(
+        1, system.ball_arrays.r_ball.size + sum(r.roller_row.count for r in system.roller_sets)
+    )
 
 
-def typical_force(system: AssemblyArrays, b: BallSet) -> float:
-    """Return the force [N] of a typical contact of the ball nut or bearing ``b``, at least 1e-6 N.
+def typical_contact_force(system: AssemblyArrays, ball_set: BallSet) -> float:
+    """Return the force [N] of a typical contact of the ball nut or bearing ``ball_set``, at least 1e-6 N.
 
     This is the larger of the mean load of a rolling element and the preload of a contact. If there are neither loads nor
     preload but prescribed displacements, it is the force at an approach of 1 um.
     """
-    pair = pair_compliance(b)
-    force = max(mean_load_per_element(system), float(contact_force(preload_approach(b), pair)))
+    pair = mean_hertz_constant_in_series(ball_set)
+    force = max(mean_load_per_element(system), float(contact_force(preload_approach(ball_set), pair)))
     if force == 0.0 and np.any(system.structure.prescribed):
         force = float(contact_force(1e-6, pair))
     return max(force, 1e-6)
 
 
-def assembly_residual_scale(system: AssemblyArrays) -> Scale:
+def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
     """Return the typical force and stiffness of the assembly's contacts, and the force that counts as zero.
 
     The solver scales residuals by these values. A contact counts as unloaded below 1e-14 of the typical force. If neither
@@ -562,24 +586,26 @@ def assembly_residual_scale(system: AssemblyArrays) -> Scale:
     """
     load, share = system.structure.load, mean_load_per_element(system)
     stiffness, squeezed = 1.0, 0.0
-    for b in system.balls:
-        pair = pair_compliance(b)
+    for b in system.ball_sets:
+        pair = mean_hertz_constant_in_series(b)
         squeezed = max(squeezed, float(contact_force(preload_approach(b), pair)))
         if share == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
             squeezed = float(contact_force(1e-6, pair))
     force = max(share, squeezed)
-    for b in system.balls:
-        stiffness = max(stiffness, float(np.cbrt(force) / pair_compliance(b)) if force > 0.0 else 1.0)
-    for r in system.rollers:
-        per_length = max(force, 1.0) / r.row.length
-        law = r.arrays
-        stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
-    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
+    for b in system.ball_sets:
+        stiffness = max(stiffness, float(np.cbrt(force) / mean_hertz_constant_in_series(b)) if force > 0.0 else 1.0)
+    for r in system.roller_sets:
+        per_length = max(force, 1.0) / r.roller_row.length
+        law = r.slice_arrays
+        stiffness = max(
+            stiffness, r.roller_row.length / r.roller_row.slices / float(law.g[0] - law.s[0] * np.log(per_length))
+        )
+    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.moment_arm, squeezed)
     none = 1e-14 * force
     if force == 0.0:
-        pressed = (contact_force(round_off_approach(b.problem), pair_compliance(b)) for b in system.balls)
+        pressed = (contact_force(round_off_approach(b.problem), mean_hertz_constant_in_series(b)) for b in system.ball_sets)
         none = max(map(float, pressed), default=0.0)
-    return Scale(force, stiffness, floor, none)
+    return ResidualScale(force, stiffness, floor, none)
 
 
 @dataclass(frozen=True)
@@ -587,20 +613,20 @@ class RollerElements:
     """The M rollers of all roller bearings, each as one element between a rigid cone and a rigid cup."""
 
     #: Shaft node of each roller's cone ``(M,)``.
-    node: NDArray[np.int64]
+    cone_nodes: NDArray[np.int64]
     #: Motion row of the housing of each roller's cup ``(M,)``; -1 if the housing is fixed.
-    outer: NDArray[np.int64]
+    cup_body_rows: NDArray[np.int64]
     #: Motions of cone and cup at each roller per unit motion of shaft node or housing ``(M, 2, 2, 6)``. The axes are:
     #: roller; cone or cup; displacement along the contact normal at the roller's middle, or its slope along the roller
     #: times the roller's length; the six motions of the shaft node (cone) or housing (cup).
     B: Array
     #: Slices of the rollers.
-    contacts: RollerContacts
+    roller_contacts: RollerContacts
 
     @property
     def count(self) -> int:
         """Number M of rollers."""
-        return self.node.size
+        return self.cone_nodes.size
 
 
 def roller_elements(sets: list[RollerSet]) -> RollerElements:
@@ -608,31 +634,31 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 
     ``sets``: the roller bearings.
     """
-    M, K = sum(r.row.count for r in sets), max((r.row.slices for r in sets), default=0)
+    M, K = sum(r.roller_row.count for r in sets), max((r.roller_row.slices for r in sets), default=0)
     node, outer = np.zeros(M, dtype=np.int64), np.full(M, -1, dtype=np.int64)
     B, law = np.zeros((M, 2, 2, 6)), np.zeros((2, M))
     place, width, drop = np.zeros((3, M, K))
     first = 0
     for r in sets:
-        a, n = r.arrays, r.row.slices
-        mine = slice(first, first + r.row.count)
+        a, n = r.slice_arrays, r.roller_row.slices
+        mine = slice(first, first + r.roller_row.count)
         first = mine.stop
-        x = slice_middles(r.row.length, n) / r.row.length
-        rows = a.B.reshape(r.row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
+        x = slice_middles(r.roller_row.length, n) / r.roller_row.length
+        rows = a.B.reshape(r.roller_row.count, n, 2, 6) * np.array([1.0, -1.0])[:, None]  # lin: approach; here: motion
         base = np.linalg.pinv(np.column_stack([np.ones(n), x])) if n > 1 else np.array([[1.0], [0.0]])
         B[mine] = np.einsum("ak,ikej->ieaj", base, rows)
         place[mine, :n] = x
-        width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.drop.reshape(-1, n)
+        width[mine, :n], drop[mine, :n] = a.width.reshape(-1, n), a.gap.reshape(-1, n)
         law[0, mine], law[1, mine] = a.g[0], a.s[0]
-        node[mine], outer[mine] = a.row[0]
+        node[mine], outer[mine] = a.ring_bodies[0]
     return RollerElements(node, outer, B, RollerContacts(place, width, drop, *law))
 
 
-def roller_springs(count: int, stiffness: float) -> Array:
+def starting_spring_factors_of_rollers(count: int, stiffness: float) -> Array:
     """Return factors S ``(count, 2, 8)`` of the stiffness of linear springs that replace the rollers in the first solve.
 
     S^T S [N/m] is the stiffness of a spring between cone and cup, at the middle of a roller, against the eight motions of
-    these two rings. `lowfi.statics.response.spring_rows` returns the springs of balls in the same layout.
+    these two rings. `lowfi.statics.response.starting_spring_factors` returns the springs of balls in the same layout.
 
     Parameters
     ----------
@@ -646,7 +672,7 @@ def roller_springs(count: int, stiffness: float) -> Array:
     return rows
 
 
-def reported_location(assembly: Assembly) -> float | str:
+def location_of_reported_stiffness(assembly: Assembly) -> float | str:
     """Return where an assembly's stiffness is reported: an axial position on the shaft [m], or the name of a housing.
 
     This is the location that the user asked for. Without one, it is the first loaded housing, else the position of the
@@ -665,17 +691,19 @@ def reported_location(assembly: Assembly) -> float | str:
     return assembly.loads[0].at if assembly.loads else assembly.sets[0].position
 
 
-def reported_body_number(system: AssemblyArrays) -> int:
+def body_of_reported_stiffness(system: AssemblyArrays) -> int:
     """Return the number of the shaft node or housing whose stiffness is reported; -1 for a fixed housing."""
-    at, s = reported_location(system.assembly), system.structure
-    return s.row[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
+    at, s = location_of_reported_stiffness(system.assembly), system.structure
+    return s.housing_numbers[at] if isinstance(at, str) else int(np.abs(s.nodes - at).argmin())
 
 
 def describe_left_out_flanks(system: AssemblyArrays) -> tuple[str, ...]:
     """Return, for each nut or bearing with flanks that the equations leave out, a sentence that names these flanks."""
     notes = []
-    for b in system.balls:
-        idle = [SIDES[k] for k in np.flatnonzero(USE[b.of.thrust] & ~b.problem.use)]
+    for b in system.ball_sets:
+        idle = [SIDES[k] for k in np.flatnonzero(USE[b.rolling_set.thrust] & ~b.problem.used_flanks)]
         if idle:
-            notes.append(f"{b.of.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball")
+            notes.append(
+                f"{b.rolling_set.name}: flanks {' and '.join(idle)} left out: load or offset lifts them off every ball"
+            )
     return tuple(notes)

@@ -14,7 +14,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import is_compiled, kernel, load_driver
+from rollbench.lowfi.jit import is_compiled_module, kernel, load_solver_copy
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     AxisArrays,
@@ -24,7 +24,7 @@ from rollbench.lowfi.statics.kernel_types import (
     EnergyDerivatives,
     MotionState,
     MotionWorkspace,
-    Options,
+    NewtonOptions,
     Outcome,
 )
 
@@ -47,23 +47,23 @@ from .rollers import roller_forces
 
 
 @kernel
-def add_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
+def add_stiffness_block(values: Array, axis: AxisArrays, a: int, b: int, block: Array) -> None:
     """Add a stiffness block (6, 6), which couples the motions of two bodies (or nodes) a and b, to the stiffness matrix.
 
     Only the lower triangle of the matrix is stored, as an envelope in ``values``: for each row the coefficients from the
     first one that can differ from zero to the diagonal (`kernel.matrices`). ``axis`` holds the positions of the rows. For
     a = b only the lower half of the block is added.
     """
-    if axis.place[a] >= axis.place[b]:
-        rows, columns = 6 * axis.place[a], 6 * axis.place[b]
+    if axis.body_order[a] >= axis.body_order[b]:
+        rows, columns = 6 * axis.body_order[a], 6 * axis.body_order[b]
         for i in range(6):
-            at = axis.start[rows + i] + columns
+            at = axis.row_offsets[rows + i] + columns
             for j in range(i + 1 if a == b else 6):
                 values[at + j] += block[i, j]
     else:
-        rows, columns = 6 * axis.place[b], 6 * axis.place[a]
+        rows, columns = 6 * axis.body_order[b], 6 * axis.body_order[a]
         for i in range(6):
-            at = axis.start[rows + i] + columns
+            at = axis.row_offsets[rows + i] + columns
             for j in range(6):
                 values[at + j] += block[j, i]
 
@@ -85,18 +85,22 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
                 for j in range(6):
                     row, column = max(first + i, second + j), min(first + i, second + j)
                     block[i, j] = band[column, row - column]
-            add_block(values, axis, e + first // 6, e + second // 6, block)
-    for k in range(axis.ends.shape[0]):
+            add_stiffness_block(values, axis, e + first // 6, e + second // 6, block)
+    for k in range(axis.spring_bodies.shape[0]):
         for i in range(2):
             for j in range(i + 1):
-                if axis.ends[k, i] >= 0 and axis.ends[k, j] >= 0:
+                if axis.spring_bodies[k, i] >= 0 and axis.spring_bodies[k, j] >= 0:
                     block[:, :] = 0.0
                     for a in range(6):
                         for b in range(6):
                             for c in range(6):
                                 for d in range(6):
-                                    block[a, b] += axis.reach[k, i, c, a] * axis.springs[k, c, d] * axis.reach[k, j, d, b]
-                    add_block(values, axis, axis.ends[k, i], axis.ends[k, j], block)
+                                    block[a, b] += (
+                                        axis.spring_end_matrices[k, i, c, a]
+                                        * axis.springs[k, c, d]
+                                        * axis.spring_end_matrices[k, j, d, b]
+                                    )
+                    add_stiffness_block(values, axis, axis.spring_bodies[k, i], axis.spring_bodies[k, j], block)
 
 
 @kernel
@@ -108,13 +112,13 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
     positions of the rows in the envelope.
     """
     spans, block = balls.B.shape[3] // 6, np.empty((6, 6))
-    for i in range(balls.row.shape[0]):
+    for i in range(balls.first_bodies.shape[0]):
         for s in range(4):
-            row = balls.row[i, s]
+            row = balls.first_bodies[i, s]
             if row < 0 or (hessians[i, 2 * s, 2 * s] == 0.0 and hessians[i, 2 * s + 1, 2 * s + 1] == 0.0):
                 continue
             for t in range(s + 1):
-                column = balls.row[i, t]
+                column = balls.first_bodies[i, t]
                 if column < 0 or (hessians[i, 2 * t, 2 * t] == 0.0 and hessians[i, 2 * t + 1, 2 * t + 1] == 0.0):
                     continue
                 h = hessians[i, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
@@ -126,7 +130,7 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
                                 for k in range(j):
                                     block[j, k] += block[k, j]
                                 block[j, j] *= 2.0
-                        add_block(values, axis, row + a, column + b, block)
+                        add_stiffness_block(values, axis, row + a, column + b, block)
 
 
 @kernel
@@ -156,11 +160,11 @@ def add_rollers(values: Array, axis: AxisArrays, rollers: AxisRollers, slices: A
             continue
         for s in range(2):
             for t in range(s + 1):
-                if rollers.row[i, s] >= 0 and rollers.row[i, t] >= 0:
+                if rollers.ring_bodies[i, s] >= 0 and rollers.ring_bodies[i, t] >= 0:
                     for j in range(6):
                         for k in range(6):
                             block[j, k] = slices[i, 1] * rollers.B[i, s, j] * rollers.B[i, t, k]
-                    add_block(values, axis, rollers.row[i, s], rollers.row[i, t], block)
+                    add_stiffness_block(values, axis, rollers.ring_bodies[i, s], rollers.ring_bodies[i, t], block)
 
 
 @kernel
@@ -170,19 +174,19 @@ def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> Non
     Before that, ``shift`` (6,) [N/m, N m] is added to the diagonal of the matrix ``values`` for every node and body.
     ``axis``: which motions are fixed, and the positions of the rows in ``values``, which stores the matrix as an envelope.
     """
-    n = axis.first.shape[0]
+    n = axis.first_columns.shape[0]
     for i in range(axis.fixed.shape[0]):
         for k in range(6):
-            line = 6 * axis.place[i] + k
-            values[axis.start[line] + line] += shift[k]
+            line = 6 * axis.body_order[i] + k
+            values[axis.row_offsets[line] + line] += shift[k]
             if not axis.fixed[i, k]:
                 continue
-            for j in range(axis.first[line], line):
-                values[axis.start[line] + j] = 0.0
-            values[axis.start[line] + line] = 1.0
+            for j in range(axis.first_columns[line], line):
+                values[axis.row_offsets[line] + j] = 0.0
+            values[axis.row_offsets[line] + line] = 1.0
             for other in range(line + 1, n):
-                if axis.first[other] <= line:
-                    values[axis.start[other] + line] = 0.0
+                if axis.first_columns[other] <= line:
+                    values[axis.row_offsets[other] + line] = 0.0
 
 
 def _add_ball_stiffness_by_numpy(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
@@ -193,17 +197,17 @@ def _add_ball_stiffness_by_numpy(values: Array, axis: AxisArrays, balls: AxisBal
     """
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
-        both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0))
+        both = np.flatnonzero((balls.first_bodies[:, s] >= 0) & (balls.first_bodies[:, t] >= 0))
         left, right = balls.B[both, s][:, :, 6 * a : 6 * a + 6], balls.B[both, t][:, :, 6 * b : 6 * b + 6]
         h = hessians[both, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
         K = np.einsum("nai,nab,nbj->nij", left, h, right)
-        lines = (6 * axis.place[balls.row[both, s] + a])[:, None, None] + six[None, :, None]
-        columns = (6 * axis.place[balls.row[both, t] + b])[:, None, None] + six[None, None, :]
+        lines = (6 * axis.body_order[balls.first_bodies[both, s] + a])[:, None, None] + six[None, :, None]
+        columns = (6 * axis.body_order[balls.first_bodies[both, t] + b])[:, None, None] + six[None, None, :]
         lower = (lines >= columns) & (K != 0.0)
-        np.add.at(values, (axis.start[lines] + columns)[lower], K[lower])
+        np.add.at(values, (axis.row_offsets[lines] + columns)[lower], K[lower])
 
 
-add_balls = add_ball_stiffness_in_loops if is_compiled(__name__) else _add_ball_stiffness_by_numpy
+add_balls = add_ball_stiffness_in_loops if is_compiled_module(__name__) else _add_ball_stiffness_by_numpy
 
 #: Residual ratio above which the stiffness is factored again, see ``descent``. Zero means in every step.
 KEPT = 0.0
@@ -223,12 +227,12 @@ def evaluate_axis(given: AxisSystem, state: MotionState, out: EnergyDerivatives)
     shift, rigid = np.zeros((4, 2)), np.zeros((0, 3))
     flat, m = gradient.ravel(), balls.B.shape[3]
     for i in range(balls.r_ball.shape[0]):
-        ball_shift(balls, q, i, shift)
-        ball = balls.geometry[i], balls.closure[i], rigid, balls.r_ball[i], balls.profile[i]
-        energy += settle_ball(p[i], shift, *ball, balls.tiny, contact[i])
+        write_flank_motions_of_ball(balls, q, i, shift)
+        ball = balls.geometry[i], balls.interference[i], rigid, balls.r_ball[i], balls.profile[i]
+        energy += settle_ball(p[i], shift, *ball, balls.unloaded_force_limit, contact[i])
         flank_hessian(contact[i], hessians[i])
         for s in range(4):
-            force, row = contact[i, s, FORCE], balls.row[i, s]
+            force, row = contact[i, s, FORCE], balls.first_bodies[i, s]
             scale = max(scale, force)
             if force > 0.0 and row >= 0:
                 fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
@@ -253,41 +257,41 @@ def evaluate_structure(axis: AxisArrays, state: MotionState, gradient: Array) ->
             energy -= load[i, k] * q[i, k]
             if k < 3:
                 scale = max(scale, abs(load[i, k]))
-    return energy + spring_forces(axis, q, gradient), scale
+    return energy + add_spring_forces(axis, q, gradient), scale
 
 
 @kernel
-def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
+def add_spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
     """Add the spring forces on the r nodes and bodies to ``gradient`` (r, 6) [N, N m]; return the springs' energy [J].
 
     q (r, 6): motions of the nodes and bodies [m, rad]. ``axis``: ends, lever arms and stiffness of the springs.
     """
     energy = 0.0
     e, f = np.empty(6), np.empty(6)
-    for k in range(axis.ends.shape[0]):
+    for k in range(axis.spring_bodies.shape[0]):
         e[:] = 0.0
         for end in range(2):
-            row = axis.ends[k, end]
+            row = axis.spring_bodies[k, end]
             if row >= 0:
                 for a in range(6):
                     for b in range(6):
-                        e[a] += axis.reach[k, end, a, b] * q[row, b]
+                        e[a] += axis.spring_end_matrices[k, end, a, b] * q[row, b]
         for a in range(6):
             f[a] = 0.0
             for b in range(6):
                 f[a] += axis.springs[k, a, b] * e[b]
             energy += 0.5 * f[a] * e[a]
         for end in range(2):
-            row = axis.ends[k, end]
+            row = axis.spring_bodies[k, end]
             if row >= 0:
                 for a in range(6):
                     for b in range(6):
-                        gradient[row, b] += axis.reach[k, end, a, b] * f[a]
+                        gradient[row, b] += axis.spring_end_matrices[k, end, a, b] * f[a]
     return energy
 
 
 @kernel
-def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
+def write_flank_motions_of_ball(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
     """Compute the motions of the four groove flanks at ball i from the motions q (r, 6) of nodes and bodies.
 
     They are written to ``shift`` (4, 2) [m], with two components in the ball's section plane.
@@ -296,7 +300,7 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
     """
     flat = q.ravel()
     for s in range(4):
-        row = balls.row[i, s]
+        row = balls.first_bodies[i, s]
         for a in range(2):
             x = balls.v0[i, s, a]
             if row >= 0:
@@ -318,7 +322,7 @@ def tangent(given: AxisSystem, state: MotionState, hessians: Array, base: Array,
     add_balls(values, axis, balls, hessians)
     add_rollers(values, axis, rollers, state.slices)
     fix_prescribed_motions(values, axis, shift)
-    return bool(factor(values, axis.first, axis.start))
+    return bool(factor(values, axis.first_columns, axis.row_offsets))
 
 
 @kernel
@@ -332,11 +336,11 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
     for i in range(loads.shape[0]):
         for k in range(6):
             if not axis.fixed[i, k]:
-                b[6 * axis.place[i] + k] = loads[i, k]
-    substitute(values, axis.first, axis.start, b)
+                b[6 * axis.body_order[i] + k] = loads[i, k]
+    substitute(values, axis.first_columns, axis.row_offsets, b)
     for i in range(loads.shape[0]):
         for k in range(6):
-            step[i, k] = 0.0 if axis.fixed[i, k] else b[6 * axis.place[i] + k]
+            step[i, k] = 0.0 if axis.fixed[i, k] else b[6 * axis.body_order[i] + k]
 
 
 @kernel
@@ -345,12 +349,12 @@ def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace)
 
     The derivatives of the energy are written to the ``workspace`` (`evaluate_axis`).
     """
-    return evaluate_axis(given, state, workspace.slopes)
+    return evaluate_axis(given, state, workspace.energy_derivatives)
 
 
 @kernel
 def find_step(
-    given: AxisSystem, state: MotionState, options: Options, workspace: MotionWorkspace, shift: float, fresh: bool
+    given: AxisSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
@@ -359,10 +363,10 @@ def find_step(
     ``state``.
     """
     diagonal = np.full(6, shift)
-    diagonal[3:] *= options.arm * options.arm
-    if not tangent(given, state, workspace.slopes.hessians, workspace.base, workspace.matrix, diagonal):
+    diagonal[3:] *= options.moment_arm * options.moment_arm
+    if not tangent(given, state, workspace.energy_derivatives.ball_hessians, workspace.base, workspace.matrix, diagonal):
         return False
-    solve_lines(given.shaft, workspace.matrix, -workspace.slopes.gradient, workspace.step)
+    solve_lines(given.shaft, workspace.matrix, -workspace.energy_derivatives.gradient, workspace.step)
     return True
 
 
@@ -373,8 +377,8 @@ def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
     The step is taken from the ``workspace``.
     """
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
-    for i in range(balls.row.shape[0]):
-        ball_shift(balls, workspace.step, i, shift)
+    for i in range(balls.first_bodies.shape[0]):
+        write_flank_motions_of_ball(balls, workspace.step, i, shift)
         for s in range(2):
             if balls.geometry[i, s, USE] != 0.0:
                 o = 3 - s
@@ -384,22 +388,24 @@ def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
     return sqrt(largest)
 
 
-minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_solver_copy(__name__, "descent").minimise
 
 
 @kernel
-def start_from_linear_springs(given: AxisSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
+def start_from_linear_springs(
+    given: AxisSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace
+) -> None:
     """Set the state to a first guess: the equilibrium with linear springs in place of balls and rollers.
 
     Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
     moves further than ``options.furthest`` [m]. ``given``: arrays of shaft, bodies, springs, balls and rollers;
     ``workspace``: work arrays, changed.
     """
-    gradient, hessians = workspace.slopes
+    gradient, hessians = workspace.energy_derivatives
     hessians[:] = 0.0
     for i in range(hessians.shape[0]):
         for a in range(2):
-            spring_of_pair(given.balls.geometry[i], a, options.stiffness, hessians[i])
+            add_spring_of_flank_pair(given.balls.geometry[i], a, options.stiffness, hessians[i])
     state.slices[:, 0] = 0.0
     state.slices[:, 1] = options.stiffness
     evaluate_structure(given.shaft, state, gradient)
@@ -408,7 +414,7 @@ def start_from_linear_springs(given: AxisSystem, state: MotionState, options: Op
 
 
 @kernel
-def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
+def add_spring_of_flank_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
     """Add a linear spring between flank a and the opposite flank 3 - a to the stiffness ``out`` (8, 8) [N/m] of a ball.
 
     The spring, of this stiffness [N/m], acts along the nominal contact direction. It replaces the ball's two contacts in a
@@ -428,15 +434,15 @@ def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> Non
 
 
 @kernel
-def solve_axis(given: AxisSystem, state: MotionState, options: Options, start: bool) -> Outcome:
+def solve_axis(given: AxisSystem, state: MotionState, options: NewtonOptions, start: bool) -> Outcome:
     """Find the static equilibrium of a shaft with its bodies, springs, balls and rollers.
 
     With ``start`` the iteration begins at the solution with linear springs as rolling elements, otherwise at ``state``,
     which holds the solution on return. ``given``: arrays of shaft, bodies, springs, balls and rollers; ``options``:
     tolerance and limits of the iteration.
     """
-    r, size = state.q.shape[0], given.shaft.start[-1]
-    slopes, base = EnergyDerivatives(np.empty((r, 6)), np.zeros((given.balls.row.shape[0], 8, 8))), np.zeros(size)
+    r, size = state.q.shape[0], given.shaft.row_offsets[-1]
+    slopes, base = EnergyDerivatives(np.empty((r, 6)), np.zeros((given.balls.first_bodies.shape[0], 8, 8))), np.zeros(size)
     add_axis(base, given.shaft)
     workspace = MotionWorkspace(slopes, base, np.empty(size), np.empty((r, 6)), np.empty((r, 6)), np.empty(state.d.shape))
     if start:

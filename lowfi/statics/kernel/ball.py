@@ -262,7 +262,7 @@ def newton_step_of_elastic_ball(
 
 
 @kernel
-def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
+def interference_with_flank_pair(a: int, shift: Array, geometry: Array, closure: Array) -> float:
     """Return the interference [m] of a ball between two opposite flanks a and 3 - a; negative for clearance.
 
     shift (4, 2): motions of the flanks [m]; geometry (4, 9): contact data, see the module; closure (2,): nominal
@@ -360,7 +360,10 @@ def settle_ball(
     """
     elastic = local.shape[0] > 0
     if profile.shape[1] == 0 and not elastic:
-        first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
+        first, second = (
+            interference_with_flank_pair(0, shift, geometry, closure),
+            interference_with_flank_pair(1, shift, geometry, closure),
+        )
         energy = -1.0
         if first > 0.0 and second <= 0.0:  # the literal 0 lets the compiler compute the offsets of the pair's data
             energy = solve_opposite_flank_pair(0, first, p, shift, geometry, contact)
@@ -404,7 +407,7 @@ def settle_ball(
 
 
 @kernel
-def ball_mismatch(contact: Array, scale: float) -> float:
+def largest_net_ball_force(contact: Array, scale: float) -> float:
     """Return the largest net contact force on any of N balls, as a fraction of ``scale`` [N] or in newtons if that is zero.
 
     It is zero in equilibrium. The check is separate, because the equilibrium equations of the beam do not contain the
@@ -417,7 +420,7 @@ def ball_mismatch(contact: Array, scale: float) -> float:
 
 
 @kernel
-def block(contact: Array, s: int) -> tuple[float, float, float]:
+def contact_stiffness_entries(contact: Array, s: int) -> tuple[float, float, float]:
     """Return the entries xx, xz, zz [N/m] of the stiffness matrix F' m m^T + F kt t t^T of a ball's contact on flank s.
 
     contact (4, 5): contacts of a ball; s: number of the flank. m is the unit normal and t the tangent of the contact, F its
@@ -442,7 +445,7 @@ def flank_hessian(contact: Array, out: Array) -> None:
     out[:, :] = 0.0
     txx, txz, tzz = 0.0, 0.0, 0.0  # H, the sum of all blocks h_s
     for s in range(4):
-        x, y, z = block(contact, s)
+        x, y, z = contact_stiffness_entries(contact, s)
         txx, txz, tzz = txx + x, txz + y, tzz + z
     det = txx * tzz - txz * txz
     if det <= 0.0:
@@ -451,7 +454,7 @@ def flank_hessian(contact: Array, out: Array) -> None:
     for s in range(flanks):
         if contact[s, FORCE] <= 0.0:
             continue
-        hxx, hxz, hzz = block(contact, s)
+        hxx, hxz, hzz = contact_stiffness_entries(contact, s)
         # a = h_s H^-1
         a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
         a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
@@ -459,7 +462,7 @@ def flank_hessian(contact: Array, out: Array) -> None:
         for t in range(4):
             if t == s or contact[t, FORCE] <= 0.0:
                 continue
-            hxx, hxz, hzz = block(contact, t)
+            hxx, hxz, hzz = contact_stiffness_entries(contact, t)
             # h_s H^-1 h_t = ((x, y), (z, w)): added to block (s, s), negative in block (s, t)
             x, y = a00 * hxx + a01 * hxz, a00 * hxz + a01 * hzz
             z, w = a10 * hxx + a11 * hxz, a10 * hxz + a11 * hzz

@@ -17,7 +17,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import kernel, load_driver
+from rollbench.lowfi.jit import kernel, load_solver_copy
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     AxisArrays,
@@ -25,16 +25,16 @@ from rollbench.lowfi.statics.kernel_types import (
     BeamContacts,
     BeamSystem,
     EnergyDerivatives,
-    MemberArrays,
-    MemberStates,
     MotionState,
     MotionWorkspace,
-    Options,
+    NewtonOptions,
     Outcome,
     Rows,
+    SpecimenArrays,
+    SpecimenSolutions,
 )
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, ball_mismatch, flank_hessian, settle_ball
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, flank_hessian, largest_net_ball_force, settle_ball
 from .matrices import factor_band, substitute_band
 
 
@@ -135,7 +135,7 @@ def write_screw_flank_motions(contacts: BeamContacts, motion: Array, i: int, m: 
     B = contacts.B
     for s in range(2):
         if contacts.geometry[i, s, USE] != 0.0:
-            start = 6 * contacts.node[i, s]
+            start = 6 * contacts.first_nodes[i, s]
             x, z = 0.0, 0.0
             for k in range(m):
                 x += B[i, s, 0, k] * motion[start + k]
@@ -266,7 +266,7 @@ def assemble_stiffness(
     the diagonal, multiplied by arm^2 for rotations. Fixed nodal motions get the rows of a unit matrix. beam, contacts:
     arrays of the beam and of the balls.
     """
-    fixed, node, B = beam.fixed, contacts.node, contacts.B
+    fixed, node, B = beam.fixed, contacts.first_nodes, contacts.B
     band[:] = beam.band
     m = B.shape[3]
     workspace = np.empty((2, m))
@@ -333,12 +333,12 @@ def energy_at(given: BeamSystem, state: MotionState, workspace: MotionWorkspace)
 
     ``given``: arrays of the screw as a beam and of its balls; the derivatives are written to the ``workspace``.
     """
-    return evaluate(given, state, workspace.slopes)
+    return evaluate(given, state, workspace.energy_derivatives)
 
 
 @kernel
 def find_step(
-    given: BeamSystem, state: MotionState, options: Options, workspace: MotionWorkspace, shift: float, fresh: bool
+    given: BeamSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
 
@@ -349,7 +349,9 @@ def find_step(
     beam, band = given.shaft, workspace.matrix
     if fresh:
         least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
-        assemble_stiffness(band, beam, given.contacts, workspace.slopes.hessians, max(shift, least), options.arm)
+        assemble_stiffness(
+            band, beam, given.contacts, workspace.energy_derivatives.ball_hessians, max(shift, least), options.moment_arm
+        )
         if not factor_band(band):
             return False
     solve_newton_step(given, workspace)
@@ -362,7 +364,7 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 
     ``given``: arrays of the screw as a beam and of its balls; the ``workspace`` holds gradient and factor.
     """
-    fixed, gradient, step = given.shaft.fixed, workspace.slopes.gradient, workspace.step
+    fixed, gradient, step = given.shaft.fixed, workspace.energy_derivatives.gradient, workspace.step
     for i in range(step.shape[0]):
         for k in range(6):
             step[i, k] = 0.0 if fixed[i, k] else -gradient[i, k]
@@ -370,18 +372,18 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 
 
 @kernel
-def residual_at(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, scale: float) -> float:
+def residual_at(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, scale: float) -> float:
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
     Moments are divided by the length ``options.arm``. Components of fixed motions do not count. In newtons if ``scale`` is
     0. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings; the
     ``workspace`` holds the gradient of the energy, which is the unbalanced force.
     """
-    gradient, worst = workspace.slopes.gradient, 0.0
+    gradient, worst = workspace.energy_derivatives.gradient, 0.0
     for i in range(gradient.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
-                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else options.arm))
+                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else options.moment_arm))
     return worst / scale if scale > 0.0 else worst
 
 
@@ -392,7 +394,7 @@ def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> 
     The ``workspace`` holds the gradient of the energy and the step; ``given`` tells which motions are fixed; ``state`` is
     not used.
     """
-    gradient, step, total = workspace.slopes.gradient, workspace.step, 0.0
+    gradient, step, total = workspace.energy_derivatives.gradient, workspace.step, 0.0
     for i in range(step.shape[0]):
         for k in range(6):
             if not given.shaft.fixed[i, k]:
@@ -405,7 +407,7 @@ def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
     """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1)."""
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
-    for i in range(contacts.node.shape[0]):
+    for i in range(contacts.first_nodes.shape[0]):
         if m == 6:
             write_screw_flank_motions(contacts, motion, i, 6, shift)
         else:
@@ -428,24 +430,24 @@ def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) 
 
 
 @kernel
-def finish(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
+def finish(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace) -> None:
     """Do nothing, because the state is complete at the last evaluation; the model with elastic bodies completes it here."""
 
 
 @kernel
-def least_force(given: Rows, state: MotionState, options: Options) -> float:
+def least_force(given: Rows, state: MotionState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
     The larger of ``options.floor`` and the largest element moment divided by ``options.arm``. Without it, a screw that is
     bent by moments only, or that has lost its last contact, would have no force to compare with. ``given``: arrays of the
     shaft; ``state``: deformations of its elements.
     """
-    floor, f = options.floor, np.empty(6)
+    floor, f = options.least_force_scale, np.empty(6)
     for e in range(state.d.shape[0]):
         c = given.shaft.constants[e]
         write_element_force(state.d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(3, 6):
-            floor = max(floor, abs(f[k]) / options.arm)
+            floor = max(floor, abs(f[k]) / options.moment_arm)
     return floor
 
 
@@ -467,14 +469,16 @@ def unbalanced(state: MotionState, scale: float) -> float:
 
     ``state``: contact forces and normals of all balls.
     """
-    return ball_mismatch(state.contact, scale)
+    return largest_net_ball_force(state.contact, scale)
 
 
-minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_solver_copy(__name__, "descent").minimise
 
 
 @kernel
-def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Options, workspace: MotionWorkspace) -> None:
+def start_from_linear_springs(
+    given: BeamSystem, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace
+) -> None:
     """Set the state to a first guess: the equilibrium of the screw on linear springs in the nominal contact directions.
 
     Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
@@ -482,8 +486,8 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
     example at a contact angle near zero under an axial load. ``given``: arrays of the screw as a beam and of its balls;
     ``workspace``: work arrays, changed.
     """
-    geometry, hessians, stiffness = given.contacts.geometry, workspace.slopes.hessians, options.stiffness
-    evaluate_beam(given.shaft, state.q, state.d, workspace.slopes.gradient)
+    geometry, hessians, stiffness = given.contacts.geometry, workspace.energy_derivatives.ball_hessians, options.stiffness
+    evaluate_beam(given.shaft, state.q, state.d, workspace.energy_derivatives.gradient)
     hessians[:] = 0.0
     for i in range(geometry.shape[0]):
         for s in range(2):
@@ -492,24 +496,31 @@ def start_from_linear_springs(given: BeamSystem, state: MotionState, options: Op
                 size = max(geometry[i, s, SIZE], 1e-30)
                 own[0, 0], own[1, 1] = stiffness * wx * wx / (size * size), stiffness * wz * wz / (size * size)
                 own[0, 1] = own[1, 0] = stiffness * wx * wz / (size * size)
-    assemble_stiffness(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.arm)
+    assemble_stiffness(workspace.matrix, given.shaft, given.contacts, hessians, 1e-9 * stiffness, options.moment_arm)
     if factor_band(workspace.matrix):
         solve_newton_step(given, workspace)
         shorten_first_step(given, state, options, workspace, reach_of(given, workspace))
 
 
 @kernel
-def shorten_first_step(given: Rows, state: MotionState, options: Options, workspace: MotionWorkspace, reach: float) -> None:
+def shorten_first_step(
+    given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, reach: float
+) -> None:
     """Take the first Newton step from the state, shortened such that no flank moves further than ``options.furthest`` [m].
 
     reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
     """
     save_start(state, workspace)
-    move(given, state, workspace, 1.0 if reach <= options.furthest else options.furthest / reach)
+    move(
+        given,
+        state,
+        workspace,
+        1.0 if reach <= options.max_flank_motion_per_step else options.max_flank_motion_per_step / reach,
+    )
 
 
 @kernel
-def workspace_for(given: BeamSystem, state: MotionState) -> MotionWorkspace:
+def allocate_workspace(given: BeamSystem, state: MotionState) -> MotionWorkspace:
     """Return work arrays, of matching shapes, for the Newton iteration on a screw and its balls."""
     n, band = state.q.shape[0], given.shaft.band
     slopes = EnergyDerivatives(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
@@ -517,21 +528,23 @@ def workspace_for(given: BeamSystem, state: MotionState) -> MotionWorkspace:
 
 
 @kernel
-def solve_beam(given: BeamSystem, state: MotionState, options: Options, start: bool) -> Outcome:
+def solve_beam(given: BeamSystem, state: MotionState, options: NewtonOptions, start: bool) -> Outcome:
     """Find the static equilibrium of a screw (Timoshenko beam) and its balls in a fixed nut.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at ``state``, which holds
     the solution on return. ``given``: arrays of the screw as a beam and of its balls; ``options``: tolerance and limits of
     the iteration.
     """
-    workspace = workspace_for(given, state)
+    workspace = allocate_workspace(given, state)
     if start:
         start_from_linear_springs(given, state, options, workspace)
     return minimise(given, state, options, workspace)
 
 
 @kernel
-def ensemble(given: BeamSystem, begin: MotionState, options: Options, members: MemberArrays, out: MemberStates) -> None:
+def ensemble(
+    given: BeamSystem, begin: MotionState, options: NewtonOptions, members: SpecimenArrays, out: SpecimenSolutions
+) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
     given: arrays of the nominal screw; members: arrays of the specimens. Every specimen starts from ``begin``, the solution
@@ -539,16 +552,16 @@ def ensemble(given: BeamSystem, begin: MotionState, options: Options, members: M
     """
     contacts = given.contacts
     state = MotionState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)
-    workspace, shared = workspace_for(given, state), members.B.shape[0] == 1
+    workspace, shared = allocate_workspace(given, state), members.B.shape[0] == 1
     for m in range(members.r_ball.shape[0]):
         of_member = BeamContacts(
-            contacts.node,
+            contacts.first_nodes,
             members.B[0 if shared else m],
             members.geometry[m],
-            members.closure[m],
+            members.interference[m],
             members.r_ball[m],
             contacts.profile,
-            contacts.tiny,
+            contacts.unloaded_force_limit,
         )
         for to, start in ((state.q, begin.q), (state.d, begin.d), (state.p, begin.p)):
             to[:] = start

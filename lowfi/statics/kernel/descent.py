@@ -1,9 +1,10 @@
 """Minimise a convex energy by Newton's method with line search: the solver shared by all static models of this package.
 
-`jit.load_driver` loads this file once for each model, which is one of the modules ``beam``, ``axis`` and ``elastic``. The
-model's module defines the functions named below, and ``KEPT``: near the solution, the stiffness is factored again only if
-the residual is more than this fraction of the smallest one before. In the functions, ``given`` holds the constants of the
-model, ``state`` its unknowns, and ``workspace`` its work arrays (derivatives, the step, and the start of the line search).
+`jit.load_solver_copy` loads this file once for each model, which is one of the modules ``beam``, ``axis`` and ``elastic``.
+The model's module defines the functions named below, and ``KEPT``: near the solution, the stiffness is factored again only
+if the residual is more than this fraction of the smallest one before. In the functions, ``given`` holds the constants of
+the model, ``state`` its unknowns, and ``workspace`` its work arrays (derivatives, the step, and the start of the line
+search).
 
 Newton's method is regularised by a stiffness on the diagonal. It is proportional to the residual and therefore vanishes at
 the solution, where convergence remains fast.
@@ -12,7 +13,7 @@ the solution, where convergence remains fast.
 from typing import Any
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.kernel_types import Options, Outcome, Progress
+from rollbench.lowfi.statics.kernel_types import IterationProgress, NewtonOptions, Outcome
 
 from .search import (
     BALANCED,
@@ -24,12 +25,12 @@ from .search import (
     SINGULAR,
     SOLVED,
     WHOLE_STEPS,
-    first_trial,
-    next_trial,
+    first_line_search_trial,
+    next_line_search_trial,
     record_progress,
 )
 
-#: Module of the model that this copy of the solver minimises; set by `lowfi.jit.load_driver`.
+#: Module of the model that this copy of the solver minimises; set by `lowfi.jit.load_solver_copy`.
 system: Any = globals()["system"]
 #: Ratio of a residual to the smallest one before it, above which the stiffness is factored again.
 KEPT: float = system.KEPT
@@ -55,18 +56,18 @@ def search_along_step(
     limit: largest step length, as a fraction of the Newton step; ``given``: constants of the model. Returns the energy [J]
     and the largest force [N] at the accepted point, and the number of step lengths tried.
     """
-    trial, go_on = first_trial(energy, slope, limit), True
+    trial, go_on = first_line_search_trial(energy, slope, limit), True
     new, scale = energy, 0.0
     while go_on:
         move(given, state, workspace, trial.t)
         new, scale = energy_at(given, state, workspace)
-        trial, go_on = next_trial(trial, new, slope_along(given, state, workspace))
-    return new, scale, trial.tried
+        trial, go_on = next_line_search_trial(trial, new, slope_along(given, state, workspace))
+    return new, scale, trial.trial_count
 
 
 @kernel
 def force_scale_and_residual(
-    given: Any, state: Any, options: Options, workspace: Any, scale: float, first_force: float
+    given: Any, state: Any, options: NewtonOptions, workspace: Any, scale: float, first_force: float
 ) -> tuple[float, float]:
     """Return the force [N] by which unbalanced forces are divided, and the relative residual that results.
 
@@ -74,13 +75,13 @@ def force_scale_and_residual(
     result of `least_force`. Where only displacements are prescribed (``options.floor`` is zero) it is ``first_force`` [N],
     a force of the first state, because the final state may be free of forces.
     """
-    least = least_force(given, state, options) if options.floor > 0.0 else first_force
+    least = least_force(given, state, options) if options.least_force_scale > 0.0 else first_force
     scale = max(scale, least)
     return scale, residual_at(given, state, options, workspace, scale)
 
 
 @kernel
-def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcome:
+def minimise(given: Any, state: Any, options: NewtonOptions, workspace: Any) -> Outcome:
     """Minimise the energy of the model, starting from ``state``, which holds the solution on return.
 
     Iterates until the relative residual is at most ``options.tolerance`` and all balls are in equilibrium, or until the
@@ -94,10 +95,10 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
     scale = max(scale, begin)
     residual = residual_at(given, state, options, workspace, scale)
     evaluations, amount, iteration, status, fresh = 1, 1e-3, 0, ITERATIONS, True
-    progress = Progress(residual, energy, 0, 0)
+    progress = IterationProgress(residual, energy, 0, 0)
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         return Outcome(CONVERGED, iteration, evaluations, residual, energy, scale)
-    for iteration in range(1, options.most + 1):  # noqa: B007 - reported at the end
+    for iteration in range(1, options.max_iterations + 1):  # noqa: B007 - reported at the end
         solved = False
         for _ in range(SHIFTS):
             shift = amount * options.stiffness * min(1.0, residual)
@@ -109,7 +110,7 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
             status = SINGULAR
             break
         slope, reach = slope_along(given, state, workspace), reach_of(given, workspace)
-        limit = options.furthest / reach if reach > 0.0 else 1e12
+        limit = options.max_flank_motion_per_step / reach if reach > 0.0 else 1e12
         whole, used, before, last = residual < WHOLE_STEPS and limit >= 1.0, 0, energy, residual
         save_start(state, workspace)
         if whole:
@@ -131,11 +132,11 @@ def minimise(given: Any, state: Any, options: Options, workspace: Any) -> Outcom
         if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
             status = CONVERGED
             break
-        if furthest(given, state) > options.bound:
+        if furthest(given, state) > options.unrestrained_motion_limit:
             status = NOT_HELD
             break
-        fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.best
-        near = residual * scale / options.floor if options.floor > 0.0 else residual
+        fresh = residual >= WHOLE_STEPS or residual >= KEPT * progress.smallest_residual
+        near = residual * scale / options.least_force_scale if options.least_force_scale > 0.0 else residual
         progress, ends = record_progress(progress, residual, near, energy, used)
         if ends:
             break

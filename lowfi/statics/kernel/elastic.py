@@ -21,28 +21,28 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import kernel, load_driver
+from rollbench.lowfi.jit import kernel, load_solver_copy
 from rollbench.lowfi.statics.kernel_types import (
     Array,
     BallContacts,
-    BallRows,
-    Bodies,
     BodySystem,
     BodyWorkspace,
+    ElasticBodies,
     ForceState,
     ForceStep,
-    Options,
+    LineSearchStart,
+    NewtonOptions,
     Outcome,
-    SearchStart,
+    StiffnessFactors,
 )
 
-from .ball import BODY, FORCE, KN, KT, MX, MZ, ball_mismatch, settle_ball
+from .ball import BODY, FORCE, KN, KT, MX, MZ, largest_net_ball_force, settle_ball
 from .contact import contact_law
 from .rollers import roller_elements, write_roller_stiffness_rows
 
 
 @kernel
-def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
+def flank_motions_by_forces(bodies: ElasticBodies, phi: Array, out: Array) -> None:
     """Compute the motions G phi [m] of the groove flanks by the contact forces ``phi`` (N, d) [N] on the elastic bodies.
 
     They are written to ``out`` (N, d).
@@ -51,7 +51,7 @@ def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
     first body and the second half to the second one. With one body, all columns belong to it. G: compliance matrix of the
     bodies.
     """
-    first, second = bodies.first, bodies.second
+    first, second = bodies.first_compliance, bodies.second_compliance
     n, d = phi.shape
     if second.shape[0] == 0:
         out.ravel()[:] = np.dot(first, phi.ravel())
@@ -62,21 +62,21 @@ def flank_motions_by_forces(bodies: Bodies, phi: Array, out: Array) -> None:
 
 
 @kernel
-def assemble_newton_matrix(bodies: Bodies, rows: BallRows, M: Array) -> None:
+def assemble_newton_matrix(bodies: ElasticBodies, rows: StiffnessFactors, M: Array) -> None:
     """Write the matrix M (q, q) = I + S G S^T, with which a Newton step for the contact forces is solved.
 
     G is the compliance matrix of the elastic ``bodies``. S is the matrix of the q ``rows`` of factors with which S^T S is
     the stiffness matrix of the balls.
     """
-    half = rows.S.shape[2] // (2 if bodies.second.shape[0] else 1)
+    half = rows.S.shape[2] // (2 if bodies.second_compliance.shape[0] else 1)
     M[:] = np.eye(M.shape[0])
-    add_body(bodies.first, rows, 0, half, M)
-    if bodies.second.shape[0]:
-        add_body(bodies.second, rows, half, half, M)
+    add_body(bodies.first_compliance, rows, 0, half, M)
+    if bodies.second_compliance.shape[0]:
+        add_body(bodies.second_compliance, rows, half, half, M)
 
 
 @kernel
-def add_body(G: Array, rows: BallRows, first: int, width: int, M: Array) -> None:
+def add_body(G: Array, rows: StiffnessFactors, first: int, width: int, M: Array) -> None:
     """Add S G S^T of one elastic body to the matrix M of the Newton step for the contact forces.
 
     G [m/N] is the body's compliance matrix. S is the matrix of the ``rows`` of factors with which S^T S is the stiffness
@@ -121,7 +121,7 @@ def cholesky_substitute(M: Array, b: Array) -> None:
 
 
 @kernel
-def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
+def multiply_by_stiffness_rows(rows: StiffnessFactors, x: Array, out: Array) -> None:
     """Write the product S x of the balls' stiffness factors S with the motions x (N, d) [m] of their flanks to ``out``.
 
     S^T S is the stiffness matrix of the balls; ``rows`` holds the q rows of S ball by ball; ``out``: array (q,).
@@ -133,7 +133,7 @@ def multiply_by_stiffness_rows(rows: BallRows, x: Array, out: Array) -> None:
 
 
 @kernel
-def subtract_flank_forces(rows: BallRows, u: Array, out: Array) -> None:
+def subtract_flank_forces(rows: StiffnessFactors, u: Array, out: Array) -> None:
     """Subtract from the ball forces ``out`` (N, d) [N] on the flanks their change S^T u in a Newton step.
 
     S is the matrix of the q ``rows`` of factors with which S^T S is the stiffness of the balls; u (q,): solution of the
@@ -147,7 +147,7 @@ def subtract_flank_forces(rows: BallRows, u: Array, out: Array) -> None:
 
 @kernel
 def solve_free_motions(
-    R: Array, rows: BallRows, L: Array, u: Array, target: Array, added_stiffness: float, out: Array
+    R: Array, rows: StiffnessFactors, L: Array, u: Array, target: Array, added_stiffness: float, out: Array
 ) -> bool:
     """Solve for the amplitudes of the free motions of the bodies, which only the contacts resist, in a Newton step.
 
@@ -217,9 +217,9 @@ def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
         if size == 0.0:
             continue
         for j in range(c + 1, 3):
-            reflect(A[:, c], A[:, j], c, n, size)
+            reflect_by_householder(A[:, c], A[:, j], c, n, size)
         for j in range(8):
-            reflect(A[:, c], B[:, j], c, n, size)
+            reflect_by_householder(A[:, c], B[:, j], c, n, size)
     for i in range(used, n):
         for j in range(8):
             rows[i - used, j] = B[i, j]
@@ -227,7 +227,7 @@ def write_stiffness_rows(contact: Array, local: Array, rows: Array) -> int:
 
 
 @kernel
-def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> None:
+def reflect_by_householder(direction: Array, x: Array, first: int, last: int, size: float) -> None:
     """Reflect the elements x[first:last] of a vector at the plane normal to ``direction`` (Householder transformation).
 
     size: squared length of ``direction``.
@@ -252,7 +252,7 @@ def solve_balls_of_four_flanks(
     contact data of all balls and rollers.
     """
     geometry, closure, local, r_ball, profile = contacts[:5]
-    energy, scale, tiny = 0.0, 0.0, contacts.tiny
+    energy, scale, tiny = 0.0, 0.0, contacts.unloaded_force_limit
     balls = r_ball.shape[0]
     for i in range(balls):
         shift = v[i].reshape(4, 2)
@@ -277,7 +277,7 @@ def solve_balls_of_flank_pair(v: Array, contacts: BallContacts, contact: Array, 
     Writes the forces f (N, 2) [N] on flank a, and ``contact`` (N, 5) as one contact on flank a. Returns the energy [J] and
     the largest contact force [N].
     """
-    pair = contacts.pair
+    pair = contacts.flank_pair_data
     energy, scale = 0.0, 0.0
     for i in range(v.shape[0]):
         dx, dz, size0 = pair[i, 0], pair[i, 1], pair[i, 2]
@@ -292,7 +292,7 @@ def solve_balls_of_flank_pair(v: Array, contacts: BallContacts, contact: Array, 
         contact[i, MX], contact[i, MZ] = -x / size, -z / size
         if delta > 0.0:
             force, slope, work = contact_law(delta, pair[i, 4], pair[i, 5], pair[i, 6])
-            if force > contacts.tiny:
+            if force > contacts.unloaded_force_limit:
                 energy += work
                 scale = max(scale, force)
                 contact[i, FORCE], contact[i, KN], contact[i, KT] = force, slope, force / size
@@ -310,7 +310,7 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: ForceState, f: Array
     """
     if v.shape[1] == 2:
         return solve_balls_of_flank_pair(v, contacts, state.contact[:, 0], f)
-    return solve_balls_of_four_flanks(v, contacts, state.inner, state.contact, f)
+    return solve_balls_of_four_flanks(v, contacts, state.ball_unknowns, state.contact, f)
 
 
 @kernel
@@ -326,7 +326,7 @@ def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -
         if i >= contacts.r_ball.shape[0]:
             counts[i] = write_roller_stiffness_rows(contact[i], S[i])
         elif d == 8:
-            counts[i] = write_stiffness_rows(contact[i], contacts.local[i], S[i])
+            counts[i] = write_stiffness_rows(contact[i], contacts.compliance_terms[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
             # rows along the normal and the tangent
@@ -347,7 +347,7 @@ KEPT = 0.0
 
 @kernel
 def solve_newton_equations(
-    bodies: Bodies, rows: BallRows, target: Array, added_stiffness: float, u: Array, a: Array
+    bodies: ElasticBodies, rows: StiffnessFactors, target: Array, added_stiffness: float, u: Array, a: Array
 ) -> bool:
     """Solve the equations of a Newton step for the contact forces and the free motions of the elastic bodies.
 
@@ -370,7 +370,7 @@ def solve_newton_equations(
 
 
 @kernel
-def add_free(R: Array, a: Array, out: Array) -> None:
+def add_flank_motions_by_free_motions(R: Array, a: Array, out: Array) -> None:
     """Add the flank motions R a by the bodies' free rigid motions, which only the contacts resist, to ``out`` (N, d) [m].
 
     R (N, d, k): motions of the flanks per metre of each free motion; a (k,): amplitudes [m].
@@ -380,17 +380,17 @@ def add_free(R: Array, a: Array, out: Array) -> None:
 
 
 @kernel
-def energy_of_bodies(bodies: Bodies, state: ForceState, g: Array) -> float:
+def energy_of_bodies(bodies: ElasticBodies, state: ForceState, g: Array) -> float:
     """Return the elastic energy phi G phi/2 of the bodies minus the work of the loads on their free motions [J].
 
     phi: contact forces of the state; G: compliance matrix of the bodies; g (N, d): motions G phi of the flanks [m]. Free
     motions are rigid motions of a body that only the contacts resist.
     """
-    return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work * state.a))
+    return float(0.5 * np.sum(state.phi * g) - np.sum(bodies.work_on_free_motions * state.a))
 
 
 @kernel
-def write_flank_motions(bodies: Bodies, state: ForceState, g: Array, v: Array) -> None:
+def write_flank_motions(bodies: ElasticBodies, state: ForceState, g: Array, v: Array) -> None:
     """Compute the elastic motions g = G phi and the total motions v = v0 + g + R a of the flanks (N, d) [m].
 
     phi: contact forces of the state; G: compliance matrix of the bodies; v0: motions by external loads; R a: motions by the
@@ -398,7 +398,7 @@ def write_flank_motions(bodies: Bodies, state: ForceState, g: Array, v: Array) -
     """
     flank_motions_by_forces(bodies, state.phi, g)
     v[:] = bodies.v0 + g
-    add_free(bodies.R, state.a, v)
+    add_flank_motions_by_free_motions(bodies.R, state.a, v)
 
 
 @kernel
@@ -418,7 +418,7 @@ def unbalanced(state: ForceState, scale: float) -> float:
     Zero for balls in the closed form with two opposite flanks, which are always in equilibrium. ``state``: forces and
     normals of all contacts.
     """
-    return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
+    return 0.0 if state.contact.shape[1] == 1 else largest_net_ball_force(state.contact, scale)
 
 
 @kernel
@@ -434,7 +434,7 @@ def energy_at(given: BodySystem, state: ForceState, workspace: BodyWorkspace) ->
 
 @kernel
 def find_step(
-    given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace, shift: float, fresh: bool
+    given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace, shift: float, fresh: bool
 ) -> bool:
     """Write Newton's step of contact forces and free motions to the workspace; return False if it cannot be solved.
 
@@ -442,7 +442,7 @@ def find_step(
     limits them where no contact resists. ``options`` and ``fresh`` are not used: the stiffness is factored in every step.
     ``given``: arrays of bodies, balls and rollers; ``state``: present forces and contacts.
     """
-    bodies, rows, f = given.bodies, workspace.rows, workspace.f
+    bodies, rows, f = given.bodies, workspace.stiffness_factors, workspace.f
     R, counts, starts = bodies.R, rows.counts, rows.starts
     dphi, dv, da = workspace.step
     ball_rows(given.contacts, state.contact, rows.S, counts)
@@ -451,19 +451,21 @@ def find_step(
     flank_motions_by_forces(bodies, dphi, dv)
     u = np.empty(starts[-1] + counts[-1])
     multiply_by_stiffness_rows(rows, dv, u)
-    target = bodies.work.copy()
+    target = bodies.work_on_free_motions.copy()
     for c in range(R.shape[2]):
         target[c] += np.sum(R[:, :, c] * f)
     if not solve_newton_equations(bodies, rows, target, shift, u, da):
         return False
     subtract_flank_forces(rows, u, dphi)
     flank_motions_by_forces(bodies, dphi, dv)
-    add_free(R, da, dv)
+    add_flank_motions_by_free_motions(R, da, dv)
     return True
 
 
 @kernel
-def residual_at(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace, scale: float) -> float:
+def residual_at(
+    given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace, scale: float
+) -> float:
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
     It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
@@ -472,8 +474,8 @@ def residual_at(given: BodySystem, state: ForceState, options: Options, workspac
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))
-    for c in range(bodies.work.shape[0]):
-        worst = max(worst, abs(bodies.work[c] + np.sum(bodies.R[:, :, c] * workspace.f)))
+    for c in range(bodies.work_on_free_motions.shape[0]):
+        worst = max(worst, abs(bodies.work_on_free_motions[c] + np.sum(bodies.R[:, :, c] * workspace.f)))
     return worst / scale if scale > 0.0 else worst
 
 
@@ -484,7 +486,11 @@ def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) 
     The ``workspace`` also holds the present flank motions and forces.
     """
     step = workspace.step
-    return float(np.sum(step.dphi * workspace.g) - np.sum(workspace.f * step.dv) - np.sum(given.bodies.work * step.da))
+    return float(
+        np.sum(step.dphi * workspace.g)
+        - np.sum(workspace.f * step.dv)
+        - np.sum(given.bodies.work_on_free_motions * step.da)
+    )
 
 
 @kernel
@@ -499,7 +505,7 @@ def save_start(state: ForceState, workspace: BodyWorkspace) -> None:
 
     ``state``: contact forces and free motions of the bodies.
     """
-    workspace.begin.phi[:], workspace.begin.a[:], workspace.begin.g[:], workspace.begin.v[:] = (
+    workspace.search_start.phi[:], workspace.search_start.a[:], workspace.search_start.g[:], workspace.search_start.v[:] = (
         state.phi,
         state.a,
         workspace.g,
@@ -513,14 +519,14 @@ def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: floa
 
     The results are written to ``state``, and the flank motions to the ``workspace``, which holds start and step.
     """
-    begin, step = workspace.begin, workspace.step
+    begin, step = workspace.search_start, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
     workspace.v[:], workspace.g[:] = begin.v + t * step.dv, begin.g + t * step.dv
-    add_free(given.bodies.R, -t * step.da, workspace.g)
+    add_flank_motions_by_free_motions(given.bodies.R, -t * step.da, workspace.g)
 
 
 @kernel
-def finish(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
+def finish(given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace) -> None:
     """Compute the contacts at the solution from those flank motions that have less round-off.
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
@@ -536,12 +542,12 @@ def finish(given: BodySystem, state: ForceState, options: Options, workspace: Bo
 
 
 @kernel
-def least_force(given: BodySystem, state: ForceState, options: Options) -> float:
+def least_force(given: BodySystem, state: ForceState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
     It is ``options.floor``; ``given`` and ``state`` are not used.
     """
-    return options.floor
+    return options.least_force_scale
 
 
 @kernel
@@ -553,11 +559,11 @@ def furthest(given: BodySystem, state: ForceState) -> float:
     return float(np.max(np.abs(state.a))) if state.a.size else 0.0
 
 
-minimise: Callable[..., Outcome] = load_driver(__name__, "descent").minimise
+minimise: Callable[..., Outcome] = load_solver_copy(__name__, "descent").minimise
 
 
 @kernel
-def solve_forces(given: BodySystem, state: ForceState, options: Options, start: bool) -> Outcome:
+def solve_forces(given: BodySystem, state: ForceState, options: NewtonOptions, start: bool) -> Outcome:
     """Find the equilibrium of elastic bodies and rolling elements: minimise the energy over the contact forces.
 
     With ``start`` the iteration begins at the solution with linear springs as contacts, otherwise at the forces in
@@ -567,9 +573,9 @@ def solve_forces(given: BodySystem, state: ForceState, options: Options, start: 
     balls, d = state.phi.shape
     width, shape = 2 if d == 2 else 6, state.phi.shape
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    rows = BallRows(np.zeros((balls, width, d)), counts, starts)
+    rows = StiffnessFactors(np.zeros((balls, width, d)), counts, starts)
     step = ForceStep(np.empty(shape), np.empty(shape), np.zeros(state.a.shape[0]))
-    begin = SearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
+    begin = LineSearchStart(np.empty(shape), np.empty(state.a.shape[0]), np.empty(shape), np.empty(shape))
     workspace = BodyWorkspace(np.empty(shape), np.empty(shape), np.empty(shape), step, begin, rows)
     if start:
         start_from_linear_springs(given, state, options, workspace)
@@ -578,7 +584,9 @@ def solve_forces(given: BodySystem, state: ForceState, options: Options, start: 
 
 
 @kernel
-def start_from_linear_springs(given: BodySystem, state: ForceState, options: Options, workspace: BodyWorkspace) -> None:
+def start_from_linear_springs(
+    given: BodySystem, state: ForceState, options: NewtonOptions, workspace: BodyWorkspace
+) -> None:
     """Set the state to a first guess: the equilibrium with a linear spring between opposite flanks in place of each ball.
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
@@ -588,15 +596,20 @@ def start_from_linear_springs(given: BodySystem, state: ForceState, options: Opt
     """
     bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]
-    rows = BallRows(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
+    rows = StiffnessFactors(springs, np.full(balls, width, dtype=np.int64), width * np.arange(balls))
     u = np.empty(width * balls)
     multiply_by_stiffness_rows(rows, bodies.v0, u)
-    if not solve_newton_equations(bodies, rows, bodies.work, 1e-9 * options.stiffness, u, state.a):
+    if not solve_newton_equations(bodies, rows, bodies.work_on_free_motions, 1e-9 * options.stiffness, u, state.a):
         return
     state.phi[:, :] = 0.0
     subtract_flank_forces(rows, u, state.phi)
     write_flank_motions(bodies, state, workspace.g, v)
-    if largest_relative_flank_motion(v) > options.furthest and largest_relative_flank_motion(bodies.v0) <= options.furthest:
-        shorter = options.furthest / max(largest_relative_flank_motion(v - bodies.v0), options.furthest)
+    if (
+        largest_relative_flank_motion(v) > options.max_flank_motion_per_step
+        and largest_relative_flank_motion(bodies.v0) <= options.max_flank_motion_per_step
+    ):
+        shorter = options.max_flank_motion_per_step / max(
+            largest_relative_flank_motion(v - bodies.v0), options.max_flank_motion_per_step
+        )
         state.phi[:] *= shorter
         state.a[:] *= shorter

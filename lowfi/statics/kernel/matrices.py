@@ -16,7 +16,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.jit import is_compiled, kernel
+from rollbench.lowfi.jit import is_compiled_module, kernel
 from rollbench.lowfi.statics.kernel_types import Array
 
 
@@ -58,7 +58,7 @@ def ldl_substitute(band: Array, b: Array) -> None:
         b[j] = x
 
 
-def _filled(band: Array) -> Array:
+def _pad_band_to_blocks(band: Array) -> Array:
     """Return the lower band (n, w) of a matrix that is extended by rows of a unit matrix to a multiple of w - 1 rows.
 
     w - 1 is the size of the blocks into which `_block_factor` divides the matrix.
@@ -91,7 +91,7 @@ def _block_factor(band: Array) -> bool:
 
     On return ``band`` holds the inverses of the diagonal blocks of the factor, and the blocks below them.
     """
-    filled = _filled(band)
+    filled = _pad_band_to_blocks(band)
     factor = np.zeros_like(filled)
     (on, below), (inverse, under) = _block_views(filled), _block_views(factor)
     taken = np.zeros(on.shape[1:])
@@ -108,19 +108,19 @@ def _block_factor(band: Array) -> bool:
     return True
 
 
-def inverse_blocks(band: Array) -> tuple[Array, Array]:
+def inverted_and_lower_blocks(band: Array) -> tuple[Array, Array]:
     """Return the inverted diagonal blocks (m, b, b) of a banded matrix's Cholesky factor, and the blocks below them.
 
     ``band``: factor from `_block_factor`. The result is the input of `substitute_blocks`.
     """
-    on, below = _block_views(_filled(band))
+    on, below = _block_views(_pad_band_to_blocks(band))
     return np.tril(on), np.triu(below)
 
 
 def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
     """Solve A x = b for one right-hand side (n,) or several (n, k) and write x over b.
 
-    blocks: inverted diagonal blocks of the factor of A, and the blocks below them, from `inverse_blocks`.
+    blocks: inverted diagonal blocks of the factor of A, and the blocks below them, from `inverted_and_lower_blocks`.
     """
     inverse, below = blocks
     whole = np.zeros((inverse.shape[0] * inverse.shape[1], *b.shape[1:]))
@@ -135,12 +135,12 @@ def substitute_blocks(blocks: tuple[Array, Array], b: Array) -> None:
 
 def _block_substitute(band: Array, b: Array) -> None:
     """Solve A x = b and write x over b (n,); band: factor of A from `_block_factor`."""
-    substitute_blocks(inverse_blocks(band), b)
+    substitute_blocks(inverted_and_lower_blocks(band), b)
 
 
 #: Factor a banded matrix in place, and solve with that factor: compiled or numpy version.
-factor_band = ldl_factor if is_compiled(__name__) else _block_factor
-substitute_band = ldl_substitute if is_compiled(__name__) else _block_substitute
+factor_band = ldl_factor if is_compiled_module(__name__) else _block_factor
+substitute_band = ldl_substitute if is_compiled_module(__name__) else _block_substitute
 
 
 @kernel
@@ -223,5 +223,5 @@ def _lapack_solve(values: Array, first_column: Array, row_start: Array, b: Array
 
 
 #: Factor a matrix stored as an envelope in place, and solve with that factor: compiled or LAPACK version.
-factor = envelope_factor if is_compiled(__name__) else _lapack_factor
-substitute = envelope_substitute if is_compiled(__name__) else _lapack_solve
+factor = envelope_factor if is_compiled_module(__name__) else _lapack_factor
+substitute = envelope_substitute if is_compiled_module(__name__) else _lapack_solve

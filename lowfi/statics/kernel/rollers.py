@@ -61,10 +61,10 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
     coefficients of the slices' approaches, their gaps, widths and force law.
     """
     energy, scale = 0.0, 0.0
-    for i in range(rollers.drop.shape[0]):
-        delta, terms = -rollers.drop[i], abs(rollers.drop[i])
+    for i in range(rollers.gap.shape[0]):
+        delta, terms = -rollers.gap[i], abs(rollers.gap[i])
         for end in range(2):
-            row = rollers.row[i, end]
+            row = rollers.ring_bodies[i, end]
             if row >= 0:
                 for k in range(6):
                     moved = rollers.B[i, end, k] * q[row, k]
@@ -78,7 +78,7 @@ def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array
         energy += rollers.width[i] * stored
         scale = max(scale, force)
         for end in range(2):
-            row = rollers.row[i, end]
+            row = rollers.ring_bodies[i, end]
             if row >= 0:
                 for k in range(6):
                     gradient[row, k] += force * rollers.B[i, end, k]
@@ -101,9 +101,9 @@ def roller_elements(v: Array, rollers: RollerContacts, contact: Array, f: Array,
         f[i, :] = 0.0
         approach, tilt = v[i, 2 * CONE] - v[i, 2 * CUP], v[i, 2 * CONE + 1] - v[i, 2 * CUP + 1]
         force, moment, kff, kfm, kmm, work = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(rollers.place.shape[1]):
-            x, width = rollers.place[i, k], rollers.width[i, k]
-            delta = approach + tilt * x - rollers.drop[i, k]
+        for k in range(rollers.slice_positions.shape[1]):
+            x, width = rollers.slice_positions[i, k], rollers.width[i, k]
+            delta = approach + tilt * x - rollers.gap[i, k]
             if delta <= 0.0 or width == 0.0:
                 continue
             load, slope, stored = line_contact_law(delta, rollers.g[i], rollers.s[i])

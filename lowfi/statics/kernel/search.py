@@ -1,7 +1,7 @@
 """Line search on a convex energy, and the criteria that end a Newton iteration; used by all static solvers."""
 
 from rollbench.lowfi.jit import kernel
-from rollbench.lowfi.statics.kernel_types import LineSearchTrial, Progress
+from rollbench.lowfi.statics.kernel_types import IterationProgress, LineSearchTrial
 
 #: How an iteration ended: converged, too many iterations, body moved without limit, stiffness not positive definite.
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = range(4)
@@ -32,7 +32,7 @@ FALLS = 1e-6
 
 
 @kernel
-def first_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
+def first_line_search_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
     """Return the first trial of a line search: the whole Newton step, or the longest step that ``limit`` allows.
 
     The step length is a fraction of the Newton step. energy, slope: energy [J] at the start of the search, and its
@@ -43,7 +43,7 @@ def first_trial(energy: float, slope: float, limit: float) -> LineSearchTrial:
 
 
 @kernel
-def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSearchTrial, bool]:
+def next_line_search_trial(trial: LineSearchTrial, trial_energy: float, trial_slope: float) -> tuple[LineSearchTrial, bool]:
     """Return the next step length to try in a line search, and whether the search continues.
 
     trial: last step length tried, with the largest one known to be too short and the smallest one known to be too long;
@@ -53,15 +53,15 @@ def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSe
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
     go_on = tried < TRIALS
-    if ahead > 0.0:
-        if ahead <= 0.5 * abs(slope) and new <= energy + ROUNDING * abs(energy):
+    if trial_slope > 0.0:
+        if trial_slope <= 0.5 * abs(slope) and trial_energy <= energy + ROUNDING * abs(energy):
             return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
-        if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
+        if trial_energy <= energy + 1e-4 * t * slope and trial_slope <= 0.9 * abs(slope):
             return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
         high = t
         t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
     else:
-        if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
+        if trial_slope >= 0.9 * slope or high > 0.0 or t >= limit:
             return LineSearchTrial(energy, slope, limit, low, high, t, tried), False
         low = t
         t = min(4.0 * t, limit)
@@ -70,17 +70,19 @@ def next_trial(trial: LineSearchTrial, new: float, ahead: float) -> tuple[LineSe
 
 @kernel
 def record_progress(
-    progress: Progress, residual: float, unbalanced: float, energy: float, tried: int
-) -> tuple[Progress, bool]:
+    progress: IterationProgress, residual: float, unbalanced: float, energy: float, tried: int
+) -> tuple[IterationProgress, bool]:
     """Update the record of a Newton iteration's progress; return it and whether the iteration ends for lack of progress.
 
     residual: largest unbalanced force relative to the largest force; unbalanced: the same force relative to the applied
     loads; energy: energy [J] after the step; tried: number of step lengths that the last line search tried. The iteration
     ends after several steps that neither halved the residual nor lowered the energy, or after two exhausted line searches.
     """
-    falls = progress.lowest - energy > FALLS * abs(energy)
-    stalled = 0 if residual < 0.5 * progress.best or falls else progress.stalled + 1
-    stuck = progress.stuck + (1 if tried >= TRIALS else 0)
+    falls = progress.lowest_energy - energy > FALLS * abs(energy)
+    stalled = 0 if residual < 0.5 * progress.smallest_residual or falls else progress.stalled_iterations + 1
+    stuck = progress.exhausted_searches + (1 if tried >= TRIALS else 0)
     patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if unbalanced <= NEAR else PATIENCE
-    lowest = energy if falls else progress.lowest
-    return Progress(min(progress.best, residual), lowest, stalled, stuck), stalled >= patience or stuck >= 2
+    lowest = energy if falls else progress.lowest_energy
+    return IterationProgress(
+        min(progress.smallest_residual, residual), lowest, stalled, stuck
+    ), stalled >= patience or stuck >= 2

@@ -8,7 +8,7 @@ import pytest
 
 import rollbench
 from rollbench.compare.models.answers import tangent_stiffness_at
-from rollbench.compare.models.registry import Options
+from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import BallErrors, Errors, Load, Scene, Support
 
@@ -56,7 +56,7 @@ def test_tangent_is_that_of_the_solver_in_every_direction(along: str) -> None:
     free = [k for k in range(6) if k != 5]
     for point in (found.points[0], found.points[3]):
         loads = (Load(RING.nut.position, tuple(point.load * d[:3])),)
-        K = tangent_stiffness_at(replace(scene, loads=loads), RING.nut.position, "lin", Options()).matrix
+        K = tangent_stiffness_at(replace(scene, loads=loads), RING.nut.position, "lin", ModelOptions()).matrix
         compliance = d[free] @ np.linalg.solve(K[np.ix_(free, free)], d[free])
         assert point.stiffness == pytest.approx(1.0 / compliance, rel=1e-4)
 

@@ -9,8 +9,8 @@ from rollbench.compare.results.scene_json import palmgren_load_torque
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.axis_file import preload_of_arrangement
 from rollbench.compare.scenes.template import commented_template
-from rollbench.lowfi.bearings.angular_contact import BallRow, bearing_of_contact_angle
-from rollbench.lowfi.bearings.axis import PointRow, equal_rows_with_gap, solve_set_equilibrium
+from rollbench.lowfi.bearings.angular_contact import BallBearingRow, bearing_of_contact_angle
+from rollbench.lowfi.bearings.axis import HertzPowerLawRow, equal_rows_with_gap, solve_bearing_row_equilibrium
 from rollbench.meshes.axis import ARRANGEMENTS, Assembly, Housing
 from rollbench.meshes.parts import FREEDOMS, Scene
 
@@ -31,20 +31,20 @@ def changed(*pairs: tuple[str, str]) -> str:
     return text
 
 
-def row_of(found: Assembly) -> BallRow:
+def row_of(found: Assembly) -> BallBearingRow:
     parts = found.sets[0].parts
     assert isinstance(parts, Scene)
     ball, steel = 2.0 * parts.balls.radius, parts.nut.material
     size = (ball, 2.0 * parts.track.pitch_radius, (parts.nut.groove_radius / ball,) * 2, parts.track.contact_angle)
-    return BallRow(bearing_of_contact_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
+    return BallBearingRow(bearing_of_contact_angle(parts.ball_count, *size, steel.youngs_modulus, steel.poissons_ratio))
 
 
 @pytest.mark.parametrize("name", [name for name in ARRANGEMENTS if name != "DT"])
 def test_preload_of_a_set_follows_from_that_of_a_pair(name: str) -> None:
     """Against the equilibrium of point contacts with equal gaps."""
     rows = tuple(1 if way == "+z" else -1 for way in ARRANGEMENTS[name])
-    one = PointRow(1e10)
-    loads = solve_set_equilibrium(equal_rows_with_gap(one, rows, one.deflection(2150.0))).loads
+    one = HertzPowerLawRow(1e10)
+    loads = solve_bearing_row_equilibrium(equal_rows_with_gap(one, rows, one.deflection(2150.0))).row_thrusts
     assert preload_of_arrangement(name, 2150.0) == pytest.approx(loads[np.array(rows) == 1].sum(), rel=1e-9)
 
 
@@ -94,7 +94,7 @@ def test_starting_torque_grows_with_the_thrust_to_the_power_four_thirds() -> Non
     one, two = (palmgren_load_torque(parts, thrust) for thrust in (1000.0, -2000.0))
     assert two.torque / one.torque == pytest.approx(2.0 ** (4 / 3), rel=1e-9)
     assert one.torque == pytest.approx(one.factor * 1000.0 * 0.046)
-    assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.rating))
+    assert one.factor == pytest.approx(0.0013 * np.cbrt(300.0 / one.static_rating))
 
 
 def test_a_rigidity_that_no_conformity_gives_is_refused() -> None:

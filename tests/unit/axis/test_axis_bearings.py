@@ -9,10 +9,10 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi.bearings import angular_contact, tapered_roller
-from rollbench.lowfi.bearings.axis import BearingSet, solve_set_equilibrium
-from rollbench.lowfi.rollers import TaperedRow as ThrustRow
+from rollbench.lowfi.bearings.axis import BearingRows, solve_bearing_row_equilibrium
+from rollbench.lowfi.rollers import StraightTaperedRow as ThrustRow
 from rollbench.lowfi.statics.axis import elastic, held, system
-from rollbench.lowfi.statics.axis.solve import RigidAssemblyEquations, solve_assembly
+from rollbench.lowfi.statics.axis.solve import BeamAssemblyEquations, solve_assembly
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes import helix, section
 from rollbench.meshes.axis import Housing, RollingSet, Segment
@@ -39,15 +39,15 @@ def ball_bearing():
 
 @pytest.mark.parametrize("pattern", ["+-", "++-", "-+", "+--"])
 def test_rows_share_thrust_as_their_laws_say(pattern):
-    row, gap = angular_contact.BallRow(ball_bearing()), 6e-6
+    row, gap = angular_contact.BallBearingRow(ball_bearing()), 6e-6
     signs = [1 if c == "+" else -1 for c in pattern]
     ways = enumerate(zip(pattern, signs, strict=True))
     sets = [bearing(f"row {i}", 0.03 + 0.02 * i, f"{c}z", offset=-s * gap) for i, (c, s) in ways]
     for thrust in (0.0, 500.0, -500.0, 4000.0):
         found = solved(with_load(*sets, force=(0.0, 0.0, thrust)))
-        closed = solve_set_equilibrium(BearingSet((row,) * len(signs), tuple(signs), (gap,) * len(signs)), thrust)
+        closed = solve_bearing_row_equilibrium(BearingRows((row,) * len(signs), tuple(signs), (gap,) * len(signs)), thrust)
         forces = [-s.force[2] * sign for s, sign in zip(found.sets, signs, strict=True)]
-        assert relative(forces, closed.loads) < 3e-4  # Hertz: the race's curvature at its nominal contact angle
+        assert relative(forces, closed.row_thrusts) < 3e-4  # Hertz: the race's curvature at its nominal contact angle
         total = sum(s.stiffness[2, 2] for s in found.sets)
         assert total == pytest.approx(closed.stiffness, rel=1e-3)
 
@@ -60,9 +60,9 @@ def roller_set(**options):
 def test_rollers_share_thrust_and_radial_load_as_the_bearing_alone(radial):
     held = Support(0.15, tuple((k, 0.0) for k in ("uy", "rx", "ry", "rz")))
     found = solved(with_load(roller_set(), force=(radial, 0.0, 3000.0), at=0.15, held=held))
-    alone = tapered_roller.solve_thrust_and_radial_equilibrium(system.tapered_bearing(ROLLERS), 3000.0, radial)
+    alone = tapered_roller.solve_thrust_and_radial_equilibrium(system.tapered_bearing_of_row(ROLLERS), 3000.0, radial)
     # without moment equilibrium, as there: the shaft is kept from tilting, and slices are loaded evenly
-    assert relative(found.sets[0].roller_load, alone.loads) < 1e-7
+    assert relative(found.sets[0].roller_load, alone.roller_loads) < 1e-7
     assert np.ptp(found.sets[0].line_loads, axis=1).max() < 1e-6 * found.sets[0].line_loads.max()
     assert found.sets[0].stiffness[2, 2] == pytest.approx(alone.stiffness[0, 0], rel=1e-7)
     assert found.sets[0].stiffness[0, 0] == pytest.approx(alone.stiffness[1, 1], rel=1e-7)
@@ -99,7 +99,7 @@ def test_preload_is_set_before_the_shaft_warms():
 
 def test_a_preload_that_cannot_be_met_is_a_failure_and_refined_names_its_own_assumptions():
     alone = assembly(bearing("a", 0.03, "+z", preload=700.0), segments=THICK, supports=(GUIDED,))
-    found, refined = solve_assembly(alone), elastic.solve_refined(alone)
+    found, refined = solve_assembly(alone), elastic.solve_assembly_with_elastic_bodies(alone)
     assert found.status.startswith("not held: preloads by force are not met at mounting")
     assert found.status.cause == "mounting"
     assert not found.sets
@@ -115,8 +115,8 @@ def pressed_nuts(preload, count=12):
 
 @pytest.mark.parametrize("preload", [300.0, 1431.0, 1643.0])
 def test_nuts_that_press_one_another_are_preloaded_by_one_force(preload, monkeypatch):
-    runs, iterate = [], RigidAssemblyEquations.iterate
-    monkeypatch.setattr(RigidAssemblyEquations, "iterate", lambda *a: runs.append(1) or iterate(*a))
+    runs, iterate = [], BeamAssemblyEquations.solve_by_newton
+    monkeypatch.setattr(BeamAssemblyEquations, "iterate", lambda *a: runs.append(1) or iterate(*a))
     found = solved(pressed_nuts(preload))
     assert len(runs) <= 12
     assert found.sets[0].force[2] + found.sets[1].force[2] == pytest.approx(-1.0, rel=1e-9)
@@ -137,7 +137,7 @@ def test_tapered_preload_by_force():
     found = solved(assembly(roller_set(preload=900.0), other, segments=THICK, supports=(GUIDED,)))
     assert [s.force[2] for s in found.sets] == pytest.approx([-900.0, 900.0], rel=1e-9)
     assert -found.sets[0].outer[2] == pytest.approx(
-        2.0 * ThrustRow(system.tapered_bearing(ROLLERS)).deflection(900.0), rel=1e-3
+        2.0 * ThrustRow(system.tapered_bearing_of_row(ROLLERS)).deflection(900.0), rel=1e-3
     )
 
 
@@ -158,7 +158,7 @@ def test_warm_shaft_grows_and_between_rigid_ends_is_pushed_by_its_strain():
 
 @pytest.mark.parametrize(("away", "model"), [(9e-6, "lin"), (-9e-6, "lin"), (9e-6, "lin-source-partition")])
 def test_a_support_near_a_contact_stays_where_it_is(away, model):
-    scene = MODELS[model].scene(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
+    scene = MODELS[model].scene_with_settings(small_screw(oversize=2e-6, force=(300.0, 0.0, 900.0)))
     at = float(section.contact_force_positions(scene, helix.ball_layout(scene))[3, 0]) + away
     scene = replace(scene, supports=(*scene.supports, Support(at, (("ux", 0.0), ("uy", 0.0)))))
     alone = solve_static(scene, engine="compiled")
@@ -192,7 +192,7 @@ def test_linear_program_says_whether_rows_can_carry_a_load(case):
     places = {"a": 0.1, "b": 0.13}
     sets = [roller_set() if r == "r+" else bearing(r, places[r[0]], f"{r[1]}z") for r in rows]
     parts = assembly(*sets, supports=(Support(0.15, (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),), loads=(Load(0.15, force),))
-    motion = held.opening_motion(system.build_assembly_arrays(parts))
+    motion = held.find_opening_motion(system.build_assembly_arrays(parts))
     assert (motion is None) == can
     found = solve_assembly(parts, engine="interpreted")
     assert found.converged == can
@@ -207,4 +207,4 @@ def test_a_preloaded_axis_is_held_and_nothing_to_prove_without_load():
     idle = fixed_axis((0.0, 0.0, 0.0))
     warm = replace(idle, thermal_strain=1e-4)  # pairs of forces that do no work on rigid motions
     for axis in (fixed_axis((0.0, 0.0, 600.0)), idle, warm):
-        assert held.opening_motion(system.build_assembly_arrays(axis)) is None
+        assert held.find_opening_motion(system.build_assembly_arrays(axis)) is None

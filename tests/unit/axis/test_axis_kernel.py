@@ -9,9 +9,9 @@ from tests.helpers import relative
 
 from rollbench.compare.models.registry import MODELS
 from rollbench.lowfi import jit
-from rollbench.lowfi.rollers import LineLaw
-from rollbench.lowfi.statics.axis.solve import rigid_assembly_equations
-from rollbench.lowfi.statics.axis.system import build_assembly_arrays, tapered_bearing
+from rollbench.lowfi.rollers import LineContactLaw
+from rollbench.lowfi.statics.axis.solve import build_beam_assembly_equations
+from rollbench.lowfi.statics.axis.system import build_assembly_arrays, tapered_bearing_of_row
 from rollbench.lowfi.statics.kernel import axis, beam, rollers
 from rollbench.lowfi.statics.kernel_types import EnergyDerivatives
 from rollbench.meshes.axis import Housing, Joint, RollingSet, diagonal_stiffness
@@ -21,23 +21,23 @@ SPRINGS = diagonal_stiffness((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
 
 
 def test_law_of_a_slice_is_that_of_the_bearings():
-    law = tapered_bearing(ROLLERS).law()
-    exact = LineLaw(law.g, law.s)
+    law = tapered_bearing_of_row(ROLLERS).approach_law()
+    exact = LineContactLaw(law.g, law.s)
     for delta in (1e-8, 3e-6, 2e-5):
         load, slope, energy = rollers.line_contact_law(delta, float(law.g), law.s)
         assert load == pytest.approx(float(exact.line_load(delta)), rel=1e-12)
-        assert slope == pytest.approx(float(exact.slope(load)), rel=1e-12)
-        assert energy == pytest.approx(float(exact.energy(load)), rel=1e-12)
+        assert slope == pytest.approx(float(exact.stiffness_per_length(load)), rel=1e-12)
+        assert energy == pytest.approx(float(exact.energy_per_length(load)), rel=1e-12)
 
 
 def test_compiled_kernels_find_the_same():
     parts = double_nut()
     found = []
     for compiled in (False, True):
-        prepared = rigid_assembly_equations(
+        prepared = build_beam_assembly_equations(
             build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=compiled)
         )
-        outcome = prepared.iterate()
+        outcome = prepared.solve_by_newton()
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11
@@ -55,11 +55,13 @@ def mixed():
 @pytest.fixture(scope="module", params=["lin", "lin-source-partition"])
 def ready(request):
     parts = MODELS[request.param].assembly_with_settings(mixed())
-    prepared = rigid_assembly_equations(build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=False))
-    prepared.iterate()
+    prepared = build_beam_assembly_equations(
+        build_assembly_arrays(parts), jit.load_kernel_package(jit.STATICS, compiled=False)
+    )
+    prepared.solve_by_newton()
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
-    n, lengths = prepared.system.structure.nodes.size, prepared.system.axis.lengths
+    n, lengths = prepared.assembly_arrays.structure.nodes.size, prepared.assembly_arrays.structure_arrays.lengths
     moved = prepared.state.q[: n - 1].copy()
     moved[:, 0] += lengths * prepared.state.q[: n - 1, 4]
     moved[:, 1] -= lengths * prepared.state.q[: n - 1, 3]
@@ -91,7 +93,7 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     evaluated(ready)
     values = np.zeros(s.axis.start[-1])
     axis.add_axis(values, s.axis)
-    axis.add_balls(values, s.axis, s.contacts, out.hessians)
+    axis.add_balls(values, s.axis, s.contacts, out.ball_hessians)
     axis.add_rollers(values, s.axis, s.slices, ready.state.slices)
     lines = full(values, s.axis)
     place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()

@@ -22,7 +22,7 @@ COARSE = replace(LADDER["refined"], harmonics=0.4, mesh=0.6)
 
 
 def refined(parts, **options):
-    result = elastic.solve_refined(parts, engine="compiled", **options)
+    result = elastic.solve_assembly_with_elastic_bodies(parts, engine="compiled", **options)
     assert result.status == "converged"
     return result
 
@@ -30,7 +30,7 @@ def refined(parts, **options):
 @pytest.mark.parametrize(("oversize", "model"), [(0.0, "lin"), (7e-6, "lin"), (7e-6, "lin-source-partition")])
 def test_one_set_is_the_refined_model_of_one_set(oversize, model):
     scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(0.0, 0.0, 900.0), oversize=oversize)
-    scene = MODELS[model].scene(scene)
+    scene = MODELS[model].scene_with_settings(scene)
     alone, found = solve_elastic(scene, engine="compiled"), refined(one_set(scene))
     assert relative(found.sets[0].balls.load, alone.load) < 1e-10
     assert found.equilibrium.force_residual < 1e-11
@@ -135,7 +135,7 @@ def test_inner_rings_on_housings_are_rigid_and_refused_on_springs():
     parts = double_nut(count=6)
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
     with pytest.raises(ValueError, match="an inner ring sits on a housing that stands on springs"):
-        elastic.solve_refined(replace(parts, sets=(*parts.sets, carried)))
+        elastic.solve_assembly_with_elastic_bodies(replace(parts, sets=(*parts.sets, carried)))
 
 
 def half_axis():
@@ -182,10 +182,12 @@ def test_contacts_of_one_set_squeeze_those_of_another_through_a_held_bar():
     one, other = nut("one", 0.1, count=6, turns=2.0), nut("other", 0.22, count=4, turns=1.0)  # evenly around
     parts = assembly(one, other, supports=ends)
     system = build_assembly_arrays(parts, section=elastic.grooved_shaft_section(parts, LADDER["refined"]))
-    added = elastic.elastic_assembly_equations(system, LADDER["refined"], kernel).squeeze.added.reshape(2, 10, 2, 2, 10, 2)
+    added = elastic.elastic_assembly_equations(
+        system, LADDER["refined"], kernel
+    ).section_force_coupling.added_compliance.reshape(2, 10, 2, 2, 10, 2)
     tube = smooth_body(reduce_to_compliance_geometry(one.parts), True, LADDER["refined"])
-    plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
-    bar = elastic.combined_problem(system, elastic.roller_elements([])).sections[0]
-    share = tube.material.poissons_ratio * tube.radius / plain.EA
+    plain = tube_section(2.0 * tube.outer_radius, 2.0 * tube.bore_radius, tube.material)
+    bar = elastic.combined_problem(system, elastic.roller_elements([])).element_sections[0]
+    share = tube.material.poissons_ratio * tube.contact_radius / plain.EA
     moved = added[:, 6:, 0, :, :6, 0].sum(axis=(2, 3))  # by forces of 1 N outwards on all flanks of the first nut
     assert moved.mean() == pytest.approx(-12.0 * share**2 * bar.EA / 0.3, rel=0.02)

@@ -9,10 +9,10 @@ from tests.axes import TURNING, assembly, bearing, one_set, solved
 from tests.helpers import relative, small_screw
 from tests.shipped_texts import own_text
 
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.statics.axis import solve
-from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.axis.system import build_assembly_arrays
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
@@ -35,7 +35,7 @@ MODELS = [  # each a group of its own, for a worker of its own: their kernels ar
 @pytest.mark.parametrize("model", MODELS)
 def test_a_row_that_carries_nothing_is_not_crossed(model):
     """Its balls carry 1e-11 of 14 kN at an angle below zero; contacts alone hold the shaft, metres away without."""
-    found = run_model(scene("axis-crossed-by-nothing"), model, Options(engine="compiled"))
+    found = run_model(scene("axis-crossed-by-nothing"), model, ModelOptions(engine="compiled"))
     assert found.converged
     assert found.solver.iterations < 60
     assert found.equilibrium.largest < 1e-9
@@ -44,7 +44,7 @@ def test_a_row_that_carries_nothing_is_not_crossed(model):
 
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_contacts_that_nothing_presses_carry_nothing(model):
-    found = run_model(scene("axis-no-load"), model, Options(engine="compiled"))
+    found = run_model(scene("axis-no-load"), model, ModelOptions(engine="compiled"))
     assert found.converged
     assert found.equilibrium.largest < 1e-9
     assert all(np.abs(s.force).max() < 1e-9 for s in found.sets)
@@ -57,7 +57,7 @@ def test_rows_that_only_round_off_closes_carry_nothing(degrees, model):
     rows = bearing("a", 0.05, "+z"), bearing("b", 0.25, "-z")
     tracks = (replace(s.parts.track, contact_angle=np.radians(degrees)) for s in rows)
     sets = (replace(s, parts=replace(s.parts, track=t)) for s, t in zip(rows, tracks, strict=True))
-    found = run_model(assembly(*sets, supports=(TURNING,)), model, Options(engine="compiled"))
+    found = run_model(assembly(*sets, supports=(TURNING,)), model, ModelOptions(engine="compiled"))
     assert found.converged
     assert not any(s.balls.load.any() for s in found.sets)
 
@@ -96,7 +96,10 @@ def test_one_set_on_uneven_flanks_or_with_hertz_at_the_actual_geometry_is_that_o
         uneven = SideErrors(profile=PROFILE)
         parts = replace(parts, errors=replace(parts.errors, SL=uneven, NR=uneven))
     if elastic:
-        alone, found = solve_elastic(parts, engine="compiled"), solve_refined(one_set(parts), engine="compiled")
+        alone, found = (
+            solve_elastic(parts, engine="compiled"),
+            solve_assembly_with_elastic_bodies(one_set(parts), engine="compiled"),
+        )
     else:
         alone, found = solve_static(parts, engine="compiled"), solved(one_set(parts))
     assert found.status == alone.status == "converged"

@@ -7,12 +7,12 @@ import pytest
 from tests.axes import ROLLERS, assembly, bearing, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.load_cases import solve_axis_with_results as solve
-from rollbench.compare.models.registry import Options
+from rollbench.compare.models.load_cases import solve_shaft_with_results as solve
+from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.friction.solve import solve_axis
+from rollbench.compare.studies.friction.solve import solve_friction_of_shaft
 from rollbench.compare.studies.friction.whole import FrictionChoices
-from rollbench.lowfi.bearings.torque import roller_torque
+from rollbench.lowfi.bearings.torque import roller_bearing_torque
 from rollbench.meshes.axis import Drive, RollingSet
 from rollbench.meshes.parts import Friction, Load, Lubricant, Motion
 
@@ -29,7 +29,7 @@ def driven(mu=0.1, motion=FAST, **drive):
 
 
 def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
-    data = solve_axis(driven(), LIN).data
+    data = solve_friction_of_shaft(driven(), LIN).data
     drive, of_nut = data["drive"], data["sets"][4]
     assert [x["name"] for x in drive["sets"]] == ["left +", "left -", "right +", "right -", "nut"]
     assert drive["sets"][4]["running_Nmm"] == pytest.approx([of_nut["driving_torque_on_screw_Nmm"]] * 2)
@@ -37,19 +37,19 @@ def test_the_torque_is_the_sum_of_nuts_bearings_seals_and_all_else():
     for whole, one in (("running_torque_Nmm", "running_Nmm"), ("starting_torque_Nmm", "starting_Nmm")):
         sums = np.sum([x[one] for x in drive["sets"]], axis=0) + 100.0 + 300.0
         assert drive[whole] == pytest.approx(sums, rel=1e-12)
-    alone = solve(driven(), "lin", Options())
-    assert alone.drive is not None
-    assert 1e3 * np.array(alone.drive.running) == pytest.approx(drive["running_torque_Nmm"], rel=1e-9)
+    alone = solve(driven(), "lin", ModelOptions())
+    assert alone.motor_torques is not None
+    assert 1e3 * np.array(alone.motor_torques.running) == pytest.approx(drive["running_torque_Nmm"], rel=1e-9)
 
 
 def test_acceleration_puts_in_the_energy_of_all_that_moves():
     time, mass, motor = 0.2, 150.0, 2e-3
-    drive = solve_axis(driven(mass=mass, motor_inertia=motor, time=time, efficiency=1.0), LIN).data["drive"]
+    drive = solve_friction_of_shaft(driven(mass=mass, motor_inertia=motor, time=time, efficiency=1.0), LIN).data["drive"]
     turning = 0.5 * (1e-6 * drive["shaft_inertia_kg_mm2"] + motor) * FAST.speed**2
     moving = 0.5 * mass * (10e-3 / (2.0 * np.pi) * FAST.speed) ** 2
     extra = 1e-3 * (np.array(drive["accelerating_torque_Nmm"]) - drive["running_torque_Nmm"])
     assert extra * FAST.speed * time / 2.0 == pytest.approx(turning + moving, rel=1e-12)
-    unknown = solve_axis(driven(mass=mass, motor_inertia=motor, time=time), LIN).data["drive"]
+    unknown = solve_friction_of_shaft(driven(mass=mass, motor_inertia=motor, time=time), LIN).data["drive"]
     low, high = 1e-3 * (np.array(unknown["accelerating_torque_Nmm"]) - unknown["running_torque_Nmm"]) - extra
     share = mass * (10e-3 / (2.0 * np.pi)) ** 2 * FAST.speed / time
     assert (low, high) == pytest.approx((share * (1 / 0.95 - 1), share * (1 / 0.9 - 1)), rel=1e-9)
@@ -57,7 +57,7 @@ def test_acceleration_puts_in_the_energy_of_all_that_moves():
 
 def test_a_load_hinders_one_way_and_drives_the_other_and_friction_always_hinders():
     """Without friction in the nut, what is left of both ways together is twice the rest."""
-    there, back = (solve_axis(driven(0.0, Motion(w)), LIN).data["drive"] for w in (120.0, -120.0))
+    there, back = (solve_friction_of_shaft(driven(0.0, Motion(w)), LIN).data["drive"] for w in (120.0, -120.0))
     nuts = [x["sets"][4]["running_Nmm"][0] for x in (there, back)]
     assert nuts[0] == pytest.approx(-nuts[1], rel=1e-6)
     assert abs(nuts[0]) == pytest.approx(1e3 * 600.0 * 10e-3 / (2.0 * np.pi), rel=1e-3)
@@ -71,18 +71,18 @@ def test_a_shaft_in_rollers_alone_answers_without_a_coefficient():
     rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
     axis = replace(assembly(*rows), loads=(Load(0.05, (0.0, 0.0, 500.0)),), supports=fixed_axis().supports)
     axis = replace(axis, motion=FAST, lubricant=OIL)
-    found, alone = solve_axis(axis, LIN), solve(axis, "lin", Options())
-    by_hand = [roller_torque(s.of.parts, s.line_loads, FAST.speed, OIL) for s in alone.result.sets]
+    found, alone = solve_friction_of_shaft(axis, LIN), solve(axis, "lin", ModelOptions())
+    by_hand = [roller_bearing_torque(s.of.parts, s.line_loads, FAST.speed, OIL) for s in alone.result.sets]
     low, high = found.data["drive"]["running_torque_Nmm"]
     assert low < 1e3 * sum(x.torque for x in by_hand) < high
-    assert solve_axis(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
-    assert solve_axis(replace(axis, friction=Friction(0.1, 0.1)), LIN).data["drive"] == found.data["drive"]
+    assert solve_friction_of_shaft(replace(axis, motion=None), LIN).data["drive"]["running_torque_Nmm"] is None
+    assert solve_friction_of_shaft(replace(axis, friction=Friction(0.1, 0.1)), LIN).data["drive"] == found.data["drive"]
     with pytest.raises(InputError, match=r"mu: got 0\.1.*rollers"):
-        solve_axis(axis, FrictionChoices(model="lin", mu=(0.1,)))
+        solve_friction_of_shaft(axis, FrictionChoices(model="lin", mu=(0.1,)))
 
 
 def test_several_coefficients_make_a_table():
-    found = solve_axis(replace(driven(), friction=None), FrictionChoices(model="lin", mu=(0.05, 0.1)))
+    found = solve_friction_of_shaft(replace(driven(), friction=None), FrictionChoices(model="lin", mu=(0.05, 0.1)))
     torques = [row["friction_torque_Nmm"] for row in found.data["over_friction"]]
     assert torques[0] < torques[1] == pytest.approx(found.data["torque"]["friction_torque_Nmm"] * torques[1] / torques[0])
     assert any(title == "over the coefficient of friction" for title, *_ in found.tables)
@@ -95,7 +95,7 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
     def ratio(scale):
         axis = assembly(bearing("row", 0.1, "+z"), supports=fixed_axis().supports)
         axis = replace(axis, loads=(Load(0.1, (0.0, 0.0, 1000.0 * scale)),), friction=Friction(0.1, 0.1), motion=FAST)
-        data = solve_axis(axis, LIN).data
+        data = solve_friction_of_shaft(axis, LIN).data
         assert data["converged"]
         return data["sets"][0]["friction_torque_Nmm"] / data["drive"]["sets"][0]["starting_Nmm"][0]
 
@@ -104,12 +104,12 @@ def test_load_s_part_grows_as_the_friction_of_the_balls_in_their_contacts_does(f
 
 
 def test_life_of_all_sets_is_shorter_than_that_of_each():
-    one = solve(driven(), "lin", Options())
-    lives = [x.loads.life.revolutions for x in one.answers.sets]
-    assert one.life.revolutions < min(lives)
-    assert one.life.revolutions == pytest.approx((np.array(lives) ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
-    assert one.life.distance == pytest.approx(1e6 * one.life.revolutions * 10e-3)
-    assert one.life.hours == pytest.approx(1e6 * one.life.revolutions * 2.0 * np.pi / 120.0 / 3600.0)
+    one = solve(driven(), "lin", ModelOptions())
+    lives = [x.load_results.life.revolutions for x in one.derived_results.set_results]
+    assert one.combined_life.revolutions < min(lives)
+    assert one.combined_life.revolutions == pytest.approx((np.array(lives) ** (-10 / 9)).sum() ** -0.9, rel=1e-9)
+    assert one.combined_life.distance == pytest.approx(1e6 * one.combined_life.revolutions * 10e-3)
+    assert one.combined_life.hours == pytest.approx(1e6 * one.combined_life.revolutions * 2.0 * np.pi / 120.0 / 3600.0)
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def test_rigid_limit_keeps_the_angle():
     """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
     b = bearing_of_contact_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
     s = bearing_state_at_displacement(b, displacement_under_thrust(b, 5e3))
-    assert s.angle == pytest.approx(np.radians(40.0), abs=1e-6)
+    assert s.contact_angle == pytest.approx(np.radians(40.0), abs=1e-6)
     assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
     assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
 
@@ -48,7 +48,7 @@ def test_soft_limit_turns_to_a_right_angle():
     for times in (1e3, 1e4):
         u = times * b.centre_distance
         s = bearing_state_at_displacement(b, u)
-        assert s.angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
+        assert s.contact_angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
         rest = b.centre_distance * (1.0 - np.sin(b.free_angle))
         assert float(s.approach) == pytest.approx(u - rest, rel=1.0 / times**2)
 
@@ -61,18 +61,18 @@ def test_right_angle_is_a_thrust_bearing():
     assert outer == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
     u = np.array([1e-6, 1e-5])
     s = bearing_state_at_displacement(b, u)
-    np.testing.assert_allclose(s.angle, np.pi / 2.0, rtol=1e-14)
-    np.testing.assert_allclose(s.load, 18 * (u / (s.inner.C + s.outer.C)) ** 1.5, rtol=1e-12)
-    np.testing.assert_allclose(s.stiffness, 1.5 * s.load / u, rtol=1e-12)
+    np.testing.assert_allclose(s.contact_angle, np.pi / 2.0, rtol=1e-14)
+    np.testing.assert_allclose(s.thrust, 18 * (u / (s.inner_hertz.C + s.outer_hertz.C)) ** 1.5, rtol=1e-12)
+    np.testing.assert_allclose(s.stiffness, 1.5 * s.thrust / u, rtol=1e-12)
 
 
 def test_no_angle_means_no_stiffness_at_first():
     """A radial bearing without clearance: u deflects by u^2/2A only, so F ~ u^4 for small u."""
     b = bearing(0.0)
     u = np.array([1e-8, 2e-8])
-    loads = bearing_state_at_displacement(b, u).load
+    loads = bearing_state_at_displacement(b, u).thrust
     assert loads[1] / loads[0] == pytest.approx(16.0, rel=1e-6)
-    assert bearing_state_at_displacement(b, 0.0).load == 0.0
+    assert bearing_state_at_displacement(b, 0.0).thrust == 0.0
 
 
 @pytest.mark.parametrize("angle", [0.0, 15.0, 57.0, 80.0, 90.0])
@@ -80,7 +80,7 @@ def test_no_angle_means_no_stiffness_at_first():
 def test_stiffness_is_the_derivative(angle, u):
     b = bearing(angle)
     h = 1e-5 * u
-    slope = (bearing_state_at_displacement(b, u + h).load - bearing_state_at_displacement(b, u - h).load) / (2.0 * h)
+    slope = (bearing_state_at_displacement(b, u + h).thrust - bearing_state_at_displacement(b, u - h).thrust) / (2.0 * h)
     assert float(bearing_state_at_displacement(b, u).stiffness) == pytest.approx(float(slope), rel=2e-9)
 
 
@@ -89,17 +89,17 @@ def test_displacement_and_deflection_identities():
     b = bearing()
     for load in (1e-3, 10.0, 5e3, 2e4):
         s = bearing_state_at_displacement(b, displacement_under_thrust(b, load))
-        assert float(s.load) == pytest.approx(load, rel=1e-13)
-        a, rest, angle = b.centre_distance, b.free_angle, float(s.angle)
+        assert float(s.thrust) == pytest.approx(load, rel=1e-13)
+        a, rest, angle = b.centre_distance, b.free_angle, float(s.contact_angle)
         assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(angle) - 1.0), abs=1e-15)
         assert float(s.displacement) == pytest.approx(a * np.sin(angle - rest) / np.cos(angle), abs=1e-15)
-        assert float(s.load) == pytest.approx(18 * float(s.ball_load) * np.sin(angle), rel=1e-14)
+        assert float(s.thrust) == pytest.approx(18 * float(s.ball_load) * np.sin(angle), rel=1e-14)
 
 
 def test_loose_balls_carry_nothing():
     back = -3.0 * bearing().centre_distance  # where the other shoulder of a deep groove would be
     s = bearing_state_at_displacement(bearing(), np.array([back, -1e-5, 0.0]))
-    assert np.all(s.load == 0.0)
+    assert np.all(s.thrust == 0.0)
     assert np.all(s.stiffness == 0.0)
     assert np.all(s.ball_load == 0.0)
 
@@ -111,7 +111,7 @@ def test_energy_of_the_deflection_is_that_of_the_contacts():
     """
     b = bearing()
     u = 2e-5
-    work = quad(lambda x: float(bearing_state_at_displacement(b, x).load), 0.0, u, epsrel=1e-10)[0]
+    work = quad(lambda x: float(bearing_state_at_displacement(b, x).thrust), 0.0, u, epsrel=1e-10)[0]
     s = bearing_state_at_displacement(b, u)
     assert work == pytest.approx(18 * 0.4 * float(s.ball_load * s.approach), rel=1e-3)
 
@@ -165,7 +165,7 @@ def test_many_bearings_under_given_loads_and_back_from_their_rigidity() -> None:
     )
     load = np.array([50.0, 300.0, 5000.0])
     state = bearing_states_under_thrust(many, load)
-    assert state.load == pytest.approx(load, rel=1e-9)
+    assert state.thrust == pytest.approx(load, rel=1e-9)
     for k in range(3):
         size = (float(many.ball_diameter[k]), float(many.pitch_diameter[k]), (float(many.conformity[k]),) * 2)
         alone = bearing_of_contact_angle(int(many.balls[k]), *size, float(angle[k]), *STEEL)

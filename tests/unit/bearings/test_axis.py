@@ -9,11 +9,11 @@ from rollbench.meshes.axis import Assembly, Segment
 from rollbench.meshes.parts import Screw
 
 SHAFT = {"length": 1.3, "area": 9.6e-4, "young": 207e9}
-AXIS = axis.Axis(**SHAFT, left=1.8e9, right=0.9e9)
+AXIS = axis.ScrewShaftSprings(**SHAFT, left=1.8e9, right=0.9e9)
 NUT = 1e9
 
 
-def chain(a: axis.Axis, x: float, nut: float) -> np.ndarray:
+def chain(a: axis.ScrewShaftSprings, x: float, nut: float) -> np.ndarray:
     """Stiffness (4, 4): left end of the shaft, shaft under the nut, right end, carriage; springs to the frame."""
     ea = a.young * a.area
     k = np.diag([a.left, 0.0, a.right, 0.0])
@@ -25,7 +25,7 @@ def chain(a: axis.Axis, x: float, nut: float) -> np.ndarray:
 @pytest.mark.parametrize("x", [0.01, 0.3, 0.65, 1.2])
 @pytest.mark.parametrize("right", [0.9e9, 0.0])
 def test_stiffness_is_that_of_the_chain(x, right):
-    a = axis.Axis(**SHAFT, left=1.8e9, right=right)
+    a = axis.ScrewShaftSprings(**SHAFT, left=1.8e9, right=right)
     u = np.linalg.solve(chain(a, x, NUT), [0.0, 0.0, 0.0, 1.0])
     assert float(axis.carriage_to_frame_stiffness(a, x, NUT)) == pytest.approx(1.0 / u[3], rel=1e-10)
     assert float(axis.shaft_and_support_stiffness(a, x)) == pytest.approx(1.0 / u[1], rel=1e-10)
@@ -44,40 +44,44 @@ def test_rigid_supports_give_the_formulas_of_the_source_and_ends_of_the_travel()
     """Beside a support the nut feels it and the whole screw with the other one; a rigid one takes all."""
     ea, x = SHAFT["young"] * SHAFT["area"], np.linspace(0.1, 1.2, 12)
     np.testing.assert_allclose(
-        axis.shaft_and_support_stiffness(axis.Axis(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13
+        axis.shaft_and_support_stiffness(axis.ScrewShaftSprings(**SHAFT), x), ea * 1.3 / (x * (1.3 - x)), rtol=1e-13
     )
-    np.testing.assert_allclose(axis.shaft_and_support_stiffness(axis.Axis(**SHAFT, right=0.0), x), ea / x, rtol=1e-13)
-    left, right = axis.stiffness_of_both_sides(AXIS, np.array([0.0, 1.3]))
+    np.testing.assert_allclose(
+        axis.shaft_and_support_stiffness(axis.ScrewShaftSprings(**SHAFT, right=0.0), x), ea / x, rtol=1e-13
+    )
+    left, right = axis.stiffnesses_from_nut_to_frame(AXIS, np.array([0.0, 1.3]))
     np.testing.assert_allclose(left, [1.8e9, 1.0 / (1 / 1.8e9 + 1.3 / ea)], rtol=1e-13)
     np.testing.assert_allclose(right, [1.0 / (1 / 0.9e9 + 1.3 / ea), 0.9e9], rtol=1e-13)
-    rigid = axis.Axis(**SHAFT)
+    rigid = axis.ScrewShaftSprings(**SHAFT)
     assert axis.support_loads(rigid, 0.0, 100.0) == (100.0, 0.0)
     assert axis.support_loads(rigid, 1.3, 100.0) == (0.0, -100.0)
     np.testing.assert_allclose(axis.carriage_to_frame_stiffness(rigid, np.array([0.0, 1.3]), NUT), NUT)
     for x in (-1e-9, 1.3001):
         with pytest.raises(ValueError, match="position"):
-            axis.stiffness_of_both_sides(AXIS, x)
+            axis.stiffnesses_from_nut_to_frame(AXIS, x)
 
 
 def test_stretch_and_warming():
     """Between rigid ends F = E A (dL/L - alpha dT); springs share the stretch, and the same warming uses it up."""
     ea, a = SHAFT["young"] * SHAFT["area"], 11e-6
-    assert axis.shaft_tension(axis.Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
-    assert axis.shaft_tension(axis.Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)
+    assert axis.shaft_tension(axis.ScrewShaftSprings(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
+    assert axis.shaft_tension(axis.ScrewShaftSprings(**SHAFT), 4e-5, a, 2.0) == pytest.approx(
+        ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12
+    )
     pulled = axis.shaft_tension(AXIS, 4e-5)
     assert pulled * (1.3 / ea + 1 / AXIS.left + 1 / AXIS.right) == pytest.approx(4e-5, rel=1e-12)
     limit = axis.warming_that_removes_tension(AXIS, 4e-5, a)
     assert axis.shaft_tension(AXIS, 4e-5, a, limit) == pytest.approx(0.0, abs=1e-9 * pulled)
     assert axis.shaft_tension(AXIS, 4e-5, a, 2.0 * limit) == pytest.approx(-pulled, rel=1e-9)
-    assert axis.shaft_tension(axis.Axis(**SHAFT, right=0.0), 4e-5) == 0.0
+    assert axis.shaft_tension(axis.ScrewShaftSprings(**SHAFT, right=0.0), 4e-5) == 0.0
 
 
 def test_sum_in_series_is_softer_than_any_topology():
     """The source's sum, against the chain: with both ends side by side the supports count a fourth of what it takes."""
     k = 1.75e9
-    a = axis.Axis(**SHAFT, left=k, right=k)
-    middle = float(axis.shaft_and_support_stiffness(axis.Axis(**SHAFT), 0.65))
-    summed = as_printed.series_stiffness((k, k), middle, NUT)
+    a = axis.ScrewShaftSprings(**SHAFT, left=k, right=k)
+    middle = float(axis.shaft_and_support_stiffness(axis.ScrewShaftSprings(**SHAFT), 0.65))
+    summed = as_printed.axis_stiffness_as_printed((k, k), middle, NUT)
     right = float(axis.carriage_to_frame_stiffness(a, 0.65, NUT))
     assert 1 / summed - 1 / middle - 1 / NUT == pytest.approx(2.0 / k, rel=1e-12)
     assert 1 / right - 1 / middle - 1 / NUT == pytest.approx(0.5 / k, rel=1e-9)
@@ -89,15 +93,15 @@ def test_torque():
     mass = 7850.0 * np.pi * radius**2 * length
     assert axis.shaft_inertia(7850.0, 2 * radius, length) == pytest.approx(0.5 * mass * radius**2, rel=1e-12)
     assert axis.acceleration_torque([1e-3, 2e-3], 150.0, 0.5) == pytest.approx(0.9)
-    budget = axis.TorqueBudget(1.0, 2.0, (0.3, 0.4), 0.9)
-    assert budget.constant_speed == pytest.approx(3.7)
-    assert budget.start_up == pytest.approx(4.6)
+    budget = axis.DriveTorqueParts(1.0, 2.0, (0.3, 0.4), 0.9)
+    assert budget.constant_speed_torque == pytest.approx(3.7)
+    assert budget.accelerating_torque == pytest.approx(4.6)
 
 
 @pytest.mark.parametrize("change", [{"length": 0.0}, {"left": -1.0}, {"left": 0.0, "right": 0.0}])
 def test_faulty_axes_are_refused(change):
     with pytest.raises(ValueError, match="allowed"):
-        axis.Axis(**{**SHAFT, **change})
+        axis.ScrewShaftSprings(**{**SHAFT, **change})
 
 
 def test_inertia_of_a_mass_on_the_nut_holds_its_energy():

@@ -14,7 +14,7 @@ INCH_POUND = 0.0254 * 4.4482216152605
 
 def test_viscous_torque_in_its_own_units():
     """1e-8 kg f (nu n)^(2/3) d^3 in mm: 1000 mm^2/s rpm^... counted by hand for round numbers."""
-    found = torque.viscous_torque(2.0, 50e-3, 27e-6, 1000.0 * RPM)
+    found = torque.load_independent_torque(2.0, 50e-3, 27e-6, 1000.0 * RPM)
     assert found == pytest.approx(1e-8 * 2.0 * 27000.0 ** (2 / 3) * 50.0**3 * torque.KILOGRAM_FORCE * 1e-3, rel=1e-12)
     assert found == pytest.approx(1e-8 * 2.0 * 900.0 * 125000.0 * 9.80665e-3, rel=1e-12)
 
@@ -25,7 +25,7 @@ def test_viscous_torque_is_that_of_skf_s_and_of_a_program_s_form(nu, rpm):
     by Jungnickel): 36008 f r^3 (nu omega)^0.666 N m."""
     d, f, film = 62e-3, 3.3, nu * 1e6 * abs(rpm)
     skf = 1e-7 * f * max(film ** (2 / 3), 160.0 * (film < 2000.0)) * (1e3 * d) ** 3
-    found = torque.viscous_torque(f, d, nu, rpm * RPM)
+    found = torque.load_independent_torque(f, d, nu, rpm * RPM)
     assert 1e3 * found == pytest.approx(skf, rel=0.03)
     if film >= 2000.0:
         assert found == pytest.approx(36008.0 * f * (0.5 * d) ** 3 * (nu * abs(rpm) * RPM) ** 0.666, rel=0.03)
@@ -34,13 +34,13 @@ def test_viscous_torque_is_that_of_skf_s_and_of_a_program_s_form(nu, rpm):
 def test_rows_of_balls_take_lowest_to_highest_coefficients():
     """By hand: 1 kN on a row whose largest contact is at an eighth of its rating, 50 mm: z 0.5 1 kN 50 mm."""
     loads = (1000.0, 0.0, 0.125)
-    of_60 = torque.ball_torque("angular contact", np.radians(60.0), 50e-3, loads, (0.01, 0.02))
+    of_60 = torque.ball_bearing_torque("angular contact", np.radians(60.0), 50e-3, loads, (0.01, 0.02))
     assert of_60.load == pytest.approx((0.0008 * 25.0, 0.0013 * 25.0))
     assert of_60.starting == pytest.approx((0.0016 * 25.0, 0.0026 * 25.0))
     assert of_60.running == pytest.approx((0.01 + 0.0008 * 25.0, 0.02 + 0.0013 * 25.0))
-    of_40 = torque.ball_torque("angular contact", np.radians(40.0), 50e-3, loads, None)
+    of_40 = torque.ball_bearing_torque("angular contact", np.radians(40.0), 50e-3, loads, None)
     assert (of_40.load[0], of_40.running) == (pytest.approx(0.0010 * 25.0), None)
-    radial = torque.ball_torque("deep groove", np.radians(9.0), 50e-3, (0.0, 1000.0, 0.125), None)
+    radial = torque.ball_bearing_torque("deep groove", np.radians(9.0), 50e-3, (0.0, 1000.0, 0.125), None)
     assert radial.load == pytest.approx((0.0004 * 0.125**0.55 * 50.0, 0.0009 * 0.125**0.55 * 50.0))
 
 
@@ -51,7 +51,7 @@ def test_starting_torques_that_nsk_prints_lie_in_the_range(size, balls, ball, pi
     """Of pairs at their preload, halved; balls of 30TAC62B as the template assumes them, of 35TAC72B those of Fafnir's
     bearing of the same bore, outside diameter and width."""
     printed = [
-        (table.number(row["preload_N"]), table.number(row["starting_torque_N_m"]))
+        (table.parse_number(row["preload_N"]), table.parse_number(row["starting_torque_N_m"]))
         for table in read_maker_tables("nsk-tac")
         for row in table.rows
         if row["bearing"] == size and row["arrangement"].startswith("DB or")
@@ -60,7 +60,7 @@ def test_starting_torques_that_nsk_prints_lie_in_the_range(size, balls, ball, pi
     for preload, pair in printed:
         rated = permissible_contact_force(single_row_bearing_scene(balls, ball, pitch, np.radians(60.0)))
         loads = preload, 0.0, preload / (balls * np.sin(np.radians(60.0)) * rated)
-        low, high = torque.ball_torque("angular contact", np.radians(60.0), pitch, loads, None).starting
+        low, high = torque.ball_bearing_torque("angular contact", np.radians(60.0), pitch, loads, None).starting
         assert low < 0.5 * pair < high
 
 
@@ -73,7 +73,7 @@ def test_both_forms_agree_with_the_exponent_two_thirds_only():
     def pressure_form(x):
         return 2.0 * atmosphere * dm**3 * (eta * n * RPM / atmosphere) ** x * torque.KILOGRAM_FORCE * 1e-3
 
-    ours = torque.viscous_torque(2.0, dm * 1e-3, nu * 1e-6, n * RPM)
+    ours = torque.load_independent_torque(2.0, dm * 1e-3, nu * 1e-6, n * RPM)
     assert pressure_form(2.0 / 3.0) == pytest.approx(ours, rel=0.03)
     assert pressure_form(1.5) < 1e-3 * ours
 

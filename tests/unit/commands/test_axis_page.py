@@ -10,7 +10,7 @@ from tests.axes import CASES, ON_A_SHAFT
 import rollbench
 from rollbench.compare.errors import ArgumentError
 from rollbench.compare.report import scene_page, verify
-from rollbench.reports.scene_page import read_page_data, render_page
+from rollbench.reports.scene_page import read_page_data, scene_page_html
 
 pytestmark = pytest.mark.xdist_group("axis page")
 
@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
 
 def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     page = scene_page.solve_and_make_page("smith-axis-taper", STORES)
-    html, solved = render_page(page), rollbench.solve("smith-axis-taper")
+    html, solved = scene_page_html(page), rollbench.solve("smith-axis-taper")
     assert page.verdict.startswith("The contact with the highest pressure, in right 1, carries")
     tables = {item.name: item.rows for part in page.parts for item in part.items if hasattr(item, "rows")}
     assert [row["load"] for row in tables["rollers"]] == pytest.approx(
@@ -37,12 +37,12 @@ def test_the_page_of_an_axis_has_the_numbers_of_its_results():
     assert shown == pytest.approx([s.force[2] for s in solved.sets.values()], rel=1e-3)
     view = json.loads(re.search(r'id="view-data">(.*?)</script>', html, flags=re.DOTALL)[1])
     assert [one["name"] for one in view["cases"][0]["sets"]] == [*solved.sets]
-    assert {row.state for row in verify.check_page_hashes(html, read_page_data(html), STORES)} == {"ok"}
+    assert {row.comparison_result for row in verify.check_page_hashes(html, read_page_data(html), STORES)} == {"ok"}
 
 
 def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(folder):
     said = verify.write_and_compare_pages([str(folder / "cases.toml"), "smith-axis-taper"], folder / "out", folder)
-    assert said.code == 0
+    assert said.exit_code == 0
     page = read_page_data((folder / "out" / "cases.html").read_text(encoding="utf-8"))["results"]
     index = (folder / "out" / "index.html").read_text(encoding="utf-8")
     for words, group, key in (

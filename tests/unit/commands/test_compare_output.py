@@ -9,26 +9,28 @@ import pytest
 
 from rollbench.compare.commands import compare as output
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.comparison import Loads, comparison_options, models_by_name
-from rollbench.compare.models.model_form import errors_on_compared_scenes, estimate_model_error
+from rollbench.compare.models.comparison import ContactSolution, comparison_options, models_by_name
+from rollbench.compare.models.model_form import estimate_model_error, model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS, run_model
-from rollbench.compare.models.uncertainty import ChoiceEffects, LoadUncertainty
+from rollbench.compare.models.uncertainty import LargestChoiceEffects, LoadUncertainty
 from rollbench.compare.reference import store
-from rollbench.compare.reference.estimate import GridParts, Reference, reference_of_scene
+from rollbench.compare.reference.estimate import MeshUncertainty, Reference, reference_of_scene
 from rollbench.compare.results import compared as found_by
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating.rigidity import axial_force
 
-TOTAL = LoadUncertainty(0.2, True, ChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False)
+TOTAL = LoadUncertainty(
+    0.2, True, LargestChoiceEffects("lin-case3", 3.0, "where the nut is held", 2.9), 2.0, "angle", 0.1, False
+)
 
 
-def loads(scene, model: str, factor: float) -> Loads:
+def loads(scene, model: str, factor: float) -> ContactSolution:
     n = scene.ball_count
     load = np.zeros((n, 4))
     load[:, [0, 3]] = (200.0 + np.arange(n)[:, None]) * factor
     angle = np.where(load > 0.0, 45.0, np.nan)
     stations = np.array([0.0, scene.screw.length])
-    return Loads(model, load, angle, stations, np.array([[0.0, 0.0, 1e-5]] * 2) * factor, 1.0)
+    return ContactSolution(model, load, angle, stations, np.array([[0.0, 0.0, 1e-5]] * 2) * factor, 1.0)
 
 
 @pytest.fixture
@@ -36,7 +38,7 @@ def case():
     scene = catalogue.scene("lin-case1")
     exact = loads(scene, "3D reference", 1.0)
     runs = (SimpleNamespace(level=1, moving=0.0),)
-    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), GridParts(0.2))
+    found = Reference(scene.name, runs, exact.load, np.where(exact.load > 0.0, 0.5, 0.0), MeshUncertainty(0.2))
     models = [
         found_by.compare_loads_with_reference(scene, loads(scene, name, f), found)
         for name, f in (("refined", 1.01), ("lin-source-partition", 0.9))
@@ -52,7 +54,7 @@ def test_a_contact_of_nearly_nothing_does_not_head_the_comparison(case) -> None:
     answer = loads(scene, "refined", 1.01)
     answer.load[0, 0] = 0.1
     one = found_by.compare_loads_with_reference(scene, answer, replace(found, load=small))
-    text = found_by.comparison_verdict_sentence(found_by.SetComparison((one,), one, None, TOTAL), found)
+    text = found_by.comparison_verdict_sentence(found_by.NutOrBearingComparison((one,), one, None, TOTAL), found)
     assert one.error.own_max_percent > 800.0
     assert ", 1.00 % as judged by rollbench check" in text
 
@@ -76,15 +78,15 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path) ->
     )
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
-    assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
-    wanted = estimate_model_error(scene, result, [p for p in errors_on_compared_scenes() if p.scene != scene.name])
+    assert refined.axial_force == pytest.approx(axial_force(result), rel=1e-6)
+    wanted = estimate_model_error(scene, result, [p for p in model_errors_on_compared_scenes() if p.scene != scene.name])
     assert (whole.expected.percent, whole.expected.distance) == pytest.approx((wanted.percent, wanted.distance), rel=1e-9)
     assert whole.expected.distance > estimate_model_error(scene, result).distance, "not expected of itself"
     assert f"expected error: {whole.expected.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
-    assert f"uncertain by {whole.total.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
-    assert whole.total.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
+    assert f"uncertain by {whole.uncertainty.percent:.2f} %" in found_by.comparison_verdict_sentence(whole, found)
+    assert whole.uncertainty.choices.scene == "lin-case3", "not varied on these parts: the choices with the largest effect"
     assert condensed.error.max_percent < 0.5 * refined.error.max_percent
-    assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)
+    assert whole.reference_loads.axial_displacement == pytest.approx(condensed.axial_displacement, rel=0.01)
 
 
 def test_bodies_that_no_store_has_are_asked_for(tmp_path) -> None:

@@ -22,7 +22,7 @@ from rollbench.compare.reference.levels import LEVELS
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export as export_command
 from rollbench.compare.studies.crosscheck.study import solve_deck_or_read_result
-from rollbench.compare.studies.export import exported_parts
+from rollbench.compare.studies.export import names_of_exportable_parts
 from rollbench.hifi.bodies import coarse as submodel
 from rollbench.hifi.elements import forms
 from rollbench.meshes import parts, solid
@@ -76,7 +76,7 @@ def our_cells(mesh: meshio.Mesh) -> tuple[str, np.ndarray]:
 
 def exported(part: str, tmp_path: Path, cache: Path | None, level: int = 1) -> tuple[meshio.Mesh, str, str, np.ndarray]:
     """The file of a part, read again, what was said about it, its element and its cells, none of them turned over."""
-    said = write_part_mesh(SCENE, part, "", tmp_path / part, level, cache=cache).parts
+    said = write_part_mesh(SCENE, part, "", tmp_path / part, level, cache=cache).texts_and_tables
     mesh = meshio.read(tmp_path / f"{part}.vtu")
     name, cells = our_cells(mesh)
     assert jacobians(mesh.points, cells, name).min() > 0.0
@@ -161,7 +161,7 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     for part, mesh in solids.items():
         faces = np.concatenate(list(mesh.boundaries.values()))
         np.testing.assert_array_equal(np.sort(faces), mesh.boundary_facets())
-        volume = float(forms.nodal_share_form().assemble(forms.cell_basis(mesh)).sum())
+        volume = float(forms.nodal_volume_form().assemble(forms.cell_basis(mesh)).sum())
         if part == "ball":
             assert volume == pytest.approx(4.0 / 3.0 * np.pi * TWO.balls.radius**3, rel=1e-2)
         if part == "nut":
@@ -173,7 +173,7 @@ def test_whole_bodies_have_no_holes_and_their_volumes(solids):
     # where the scene says so, the groove of the nut ends
     filled = coarse_mesh(replace(TWO, solid=replace(TWO.solid, nut_groove="loaded")), "nut")
     through, ended = (
-        float(forms.nodal_share_form().assemble(forms.cell_basis(mesh)).sum()) for mesh in (solids["nut"], filled)
+        float(forms.nodal_volume_form().assemble(forms.cell_basis(mesh)).sum()) for mesh in (solids["nut"], filled)
     )
     assert ended > 1.02 * through
 
@@ -197,7 +197,7 @@ def test_names_and_formats_of_files(tmp_path: Path, cache: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     said = []
     for form, out in (("", None), ("inp", None), ("", Path("deep/a.msh")), ("msh", Path("b.dat")), ("inp", Path("c"))):
-        said += write_part_mesh(SCENE, "patch-SL", form, out, 1, cache=cache).parts
+        said += write_part_mesh(SCENE, "patch-SL", form, out, 1, cache=cache).texts_and_tables
     found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
     assert found == ["b.dat", "c.inp", "deep/a.msh", "lin-case1-patch-SL.inp", "lin-case1-patch-SL.vtu"]
     assert Path("b.dat").read_bytes()[:11] == b"$MeshFormat"
@@ -208,7 +208,7 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
     monkeypatch.setattr(export_command, "part_mesh", Mock(side_effect=AssertionError("meshed")))
     bodies, patches = ("screw", "nut", "ball"), ("patch-SL", "patch-NR")
     sockets, of_balls = (f"{body}-with-sockets" for body in bodies), (f"ball-{patch}" for patch in patches)
-    assert exported_parts(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
+    assert names_of_exportable_parts(SCENE) == (*bodies, *sockets, *patches, *of_balls, "block-source")
     monkeypatch.setitem(sys.modules, "h5py", None)
     for part, form, out, words in (
         ("patch-SR", "", "a.vtu", r"part: got patch-SR; allowed: screw, nut, ball, .*, patch-SL, patch-NR"),
@@ -262,7 +262,7 @@ def moved_there(file: Path, held: str, loads: str, printed: str) -> tuple[np.nda
 U
 *END STEP
 """
-    (found,) = solve_deck_or_read_result(text, file.parent).moved.values()
+    (found,) = solve_deck_or_read_result(text, file.parent).node_displacements.values()
     return np.array(list(found)) - 1, np.array(list(found.values()))
 
 

@@ -22,7 +22,7 @@ def test_two_start_left_hand_screw_of_a_file(tmp_path):
     path.write_text(MINE)
     found = solve_and_report_friction(str(path), FrictionChoices())
     data = found.data
-    assert found.code == 0
+    assert found.exit_code == 0
     json.dumps(data, allow_nan=False)
     t, e = data["torque"], data["energy"]
     assert (data["model"], data["converged"], data["kind"]) == ("refined", True, "ball screw")
@@ -142,7 +142,7 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
         with pytest.raises(InputError, match="whole screw or bearing"):
             solve_and_report_friction("lin-rotary-1", choices)
     found = solve_and_report_friction("lin-rotary-1", FrictionChoices())
-    assert (found.code, found.data["kind"]) == (0, "bearing ball")
+    assert (found.exit_code, found.data["kind"]) == (0, "bearing ball")
 
 
 def test_member_draws_the_specimen_of_loads_and_friction():

@@ -8,7 +8,7 @@ import pytest
 from tests.feed_drive import answer, mine
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
-from rollbench.compare.studies.friction.answer import three_digits
+from rollbench.compare.studies.friction.answer import format_three_digits
 from rollbench.lowfi.friction.whole import feedback as ball_feedback
 from rollbench.meshes.parts import Errors, Friction
 
@@ -60,6 +60,6 @@ def test_torques_over_the_measured_coefficients_stand_beside_the_maker_s_formula
     formula = 0.05 / np.sqrt(tangent) * data["preload_N"] * 1e3 * scene.track.lead / (2 * np.pi)
     assert data["makers_formula_Nmm"] == pytest.approx(formula, rel=1e-9)
     assert 0.5 < data["drag_torque_Nmm"][1] / data["makers_formula_Nmm"] < 2.0
-    assert f"{three_digits(data['makers_formula_Nmm'])} N mm" in found.text
+    assert f"{format_three_digits(data['makers_formula_Nmm'])} N mm" in found.text
     bare = answer(replace(scene, errors=Errors())).data["band"]
     assert (bare["makers_formula_Nmm"], bare["drag_torque_Nmm"]) == (None, None)

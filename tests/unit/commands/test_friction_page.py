@@ -6,7 +6,7 @@ import pytest
 from tests.friction_runs import MU, TURN
 from tests.helpers import small_screw
 
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
 from rollbench.compare.report import scene_page as page
 from rollbench.compare.studies.friction import run, whole
 from rollbench.meshes.parts import Time
@@ -16,7 +16,7 @@ SCENE = replace(small_screw(6, 0.6, force=(0.0, 0.0, 400.0)), friction=MU, motio
 
 
 def test_the_page_shows_torque_over_turn_coefficient_and_play():
-    found = page.friction_section(SCENE, run_model(SCENE, DEFAULT, Options()), Options())
+    found = page.friction_section(SCENE, run_model(SCENE, DEFAULT, ModelOptions()), ModelOptions())
     turn, coefficient, play = found.items[1].panels
     given = whole.solve_friction_of_screw_or_bearing(replace(SCENE, time=None), whole.FrictionChoices()).data
     torque = given["torque"]["friction_torque_Nmm"]
@@ -33,9 +33,12 @@ def test_the_page_shows_torque_over_turn_coefficient_and_play():
 
 
 def test_a_scene_without_coefficient_has_no_such_section():
-    assert page.friction_section(replace(SCENE, friction=None), run_model(SCENE, DEFAULT, Options()), Options()) is None
+    assert (
+        page.friction_section(replace(SCENE, friction=None), run_model(SCENE, DEFAULT, ModelOptions()), ModelOptions())
+        is None
+    )
 
 
 @pytest.mark.parametrize(("error", "digits"), [(None, 3), (2.0, 3), (0.3, 3), (0.01, 4), (1e-4, 6), (0.0, 6)])
 def test_at_most_two_digits_more_than_are_sure(error, digits):
-    assert run.significant_digits(error) == digits
+    assert run.digits_for_relative_error(error) == digits

@@ -12,7 +12,7 @@ from tests.helpers import small_screw
 from rollbench.compare.errors import InputError
 from rollbench.compare.studies.friction.run import lines_on_simulation, simulation_with_status, transient_simulation_as_json
 from rollbench.compare.studies.friction.whole import FrictionChoices, solve_friction_of_screw_or_bearing
-from rollbench.lowfi.friction.screw.travel import ErrorEstimate, StepError, simulate
+from rollbench.lowfi.friction.screw.travel import TimeStepErrorEstimate, TimeStepErrors, simulate
 from rollbench.meshes.parts import Time
 
 pytestmark = pytest.mark.xdist_group("run in time")
@@ -65,8 +65,8 @@ def test_error_of_the_steps_stands_in_every_result(answer):
 def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_step():
     history, names = simulate(setting(sparse()), 0.02, 4), ("torque", "mean", "largest", "least", "share")
     for name, size in product(names, (0.005, 0.02, 2.2)):
-        found = {key: ErrorEstimate(size if key == name else 0.001) for key in names}
-        run = simulation_with_status(history, StepError(found, (1, 2, 4)), Time(angle=0.2, steps=4))
+        found = {key: TimeStepErrorEstimate(size if key == name else 0.001) for key in names}
+        run = simulation_with_status(history, TimeStepErrors(found, (1, 2, 4)), Time(angle=0.2, steps=4))
         assert run.converged is (size < 0.01)
         if not run.converged:
             assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
@@ -89,7 +89,7 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
     whole = setting(sparse())
 
     def solve(met, at):
-        found = whole.solve(met, at)
+        found = whole.solve_contact_loads(met, at)
         return found if len(tries) < 4 and not tries.append(at) else replace(found, status="none")
 
     tries = []

@@ -53,16 +53,16 @@ def test_a_misspelt_file_has_a_suggestion(tmp_path, typed: str) -> None:
 def test_further_suggestions(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="did you mean two-balls"):
-        catalogue.any_scene("tow-balls.toml")
+        catalogue.scene_of_any_kind("tow-balls.toml")
     (tmp_path / "Mine.toml").write_text("", encoding="utf-8")
     for typed in ("mine", "Mine.tml", "mien.toml"):
         with pytest.raises(InputError, match=r"did you mean Mine\.toml"):
-            catalogue.any_scene(typed)
+            catalogue.scene_of_any_kind(typed)
     (tmp_path / "loads.csv").write_text("", encoding="utf-8")
     assert similar_paths(tmp_path / "laods.csv") == f"did you mean {tmp_path / 'loads.csv'}?"
     assert similar_paths(tmp_path / "none" / "laods.csv") == ""
     with pytest.raises(InputError, match="rollbench list"):
-        catalogue.any_scene("xyzxyz.toml")
+        catalogue.scene_of_any_kind("xyzxyz.toml")
 
 
 @pytest.mark.parametrize(("given", "meant"), [("0.07", "7 %"), ("0.05", "5 %")])

@@ -14,7 +14,7 @@ def test_json_is_one_value_without_its_text_and_parts_are_printed_as_they_come(c
         assert capsys.readouterr().out == "first\n"
         yield "second"
 
-    print_command_output(CommandOutput(parts=parts()))
+    print_command_output(CommandOutput(texts_and_tables=parts()))
     assert capsys.readouterr().out == "second\n"
 
 

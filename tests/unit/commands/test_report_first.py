@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.reference.store import load_run, shipped_store
+from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.report import pages as report_first
 from rollbench.compare.report import report
 from rollbench.compare.report.pages import CHECKED, LEVEL, RecomputedRunCheck, recompute_shipped_run
@@ -25,17 +25,17 @@ def test_without_gmsh_a_report_is_made_and_says_what_installs_it(monkeypatch, tm
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.001, False)])
 def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor, agrees, tmp_path) -> None:
-    shipped = load_run(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
+    shipped = load_stored_run(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
 
     def again(task, _):
         assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)
         return [replace(shipped, load=factor * shipped.load)]
 
-    monkeypatch.setattr(report_first, "compute_runs", again)
+    monkeypatch.setattr(report_first, "compute_reference_runs", again)
     found = recompute_shipped_run((shipped_store(),), print)
-    assert found.agrees is agrees
+    assert found.agrees_with_shipped_run is agrees
     largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()
-    assert found.percent == pytest.approx(largest, abs=1e-9)
+    assert found.largest_load_difference_percent == pytest.approx(largest, abs=1e-9)
     assert ("DOES NOT AGREE" in str(found)) is not agrees
     assert recompute_shipped_run((tmp_path,), print) is None, "no run is stored"
-    assert not RecomputedRunCheck("x", 1, float(np.inf), 1.0).agrees
+    assert not RecomputedRunCheck("x", 1, float(np.inf), 1.0).agrees_with_shipped_run

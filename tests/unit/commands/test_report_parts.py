@@ -4,7 +4,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import applicability, model_form, modelling
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.report import pages, report
 from rollbench.compare.report.pages import SECTIONS
@@ -21,13 +21,13 @@ def test_wanted_parts():
 
 
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path, monkeypatch: pytest.MonkeyPatch):
-    study = Study((tmp_path, shipped_store()))
-    found = study.reference("lin-case1")
-    rungs = modelling.solve_refinement_sequence(study.scene("lin-case1"), found, None)[:2]
+    study = SceneResultCache((tmp_path, shipped_store()))
+    found = study.stored_reference("lin-case1")
+    rungs = modelling.solve_refinement_sequence(study.built_in_scene("lin-case1"), found, None)[:2]
     monkeypatch.setattr(modelling, "ladder", lambda _: rungs)
     report.save_model_errors(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2
-    report.save_model_errors(Study())
+    report.save_model_errors(SceneResultCache())
     assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE, applicability.PLACES]
     assert (tmp_path / applicability.PLACES).read_bytes() == (shipped_store() / applicability.PLACES).read_bytes()

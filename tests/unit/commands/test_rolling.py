@@ -7,7 +7,7 @@ import pytest
 from rollbench.compare.commands.compare import scenes_of_friction_or_none
 from rollbench.compare.errors import InputError
 from rollbench.compare.reference import store
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs
 from rollbench.compare.studies.rolling.rows import (
@@ -15,7 +15,7 @@ from rollbench.compare.studies.rolling.rows import (
     low_order_error_is_within_limit,
     quantity_uncertainty,
 )
-from rollbench.compare.studies.rolling.runs import find_or_compute_runs
+from rollbench.compare.studies.rolling.runs import find_or_compute_rolling_runs
 from rollbench.hifi.rolling import balls, bodies
 
 
@@ -63,9 +63,13 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
 
     monkeypatch.setattr(runs, "compute_run", until_the_second)
     with pytest.raises(KeyboardInterrupt):
-        find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
+        find_or_compute_rolling_runs(
+            catalogue.scene_of_any_kind("lin-rotary-3"), [1, 2], tmp_path, ComputingSettings(), fresh=False
+        )
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
-    kept = find_or_compute_runs(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
+    kept = find_or_compute_rolling_runs(
+        catalogue.scene_of_any_kind("lin-rotary-3"), [1], tmp_path, ComputingSettings(), fresh=False
+    )
     assert quantity_uncertainty(kept, "torque N mm") == float("inf"), "one grid has none"
 
 
@@ -95,6 +99,6 @@ def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(comman
 def test_the_end_of_a_process_for_want_of_memory_and_whole_screws_among_rolling_balls_are_bad_input(monkeypatch):
     monkeypatch.setattr(balls, "cache_kernels_of_scenes", Mock(side_effect=MemoryError("ended from outside")))
     with pytest.raises(InputError, match="memory"):
-        runs.compute_run(catalogue.any_scene("lin-rotary-3"), 1)
+        runs.compute_run(catalogue.scene_of_any_kind("lin-rotary-3"), 1)
     with pytest.raises(InputError, match="compare them in separate runs"):
         scenes_of_friction_or_none(["lin-case1", "lin-pair-a"], "half-space", {})

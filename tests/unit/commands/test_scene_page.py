@@ -10,7 +10,7 @@ from tests.load_cases import written
 from rollbench.compare.report import scene_page, several, verify
 from rollbench.meshes.parts import SIDES
 from rollbench.reports.cells import with_typographic_signs
-from rollbench.reports.scene_page import html_without_manifest, read_page_data, render_page, sha256
+from rollbench.reports.scene_page import html_without_manifest, read_page_data, scene_page_html, sha256
 
 pytestmark = pytest.mark.xdist_group("scene page")
 
@@ -28,7 +28,7 @@ def page():
 
 @pytest.fixture(scope="module")
 def html(page) -> str:
-    return render_page(page)
+    return scene_page_html(page)
 
 
 def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
@@ -53,24 +53,30 @@ def test_manifest_holds_until_something_is_changed(html: str) -> None:
     blocks = read_page_data(html)
     assert blocks["manifest"]["page"] == sha256(html_without_manifest(html))
     assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
-    assert {row.state for row in verify.check_page_hashes(html, blocks, STORES)} == {"ok"}
+    assert {row.comparison_result for row in verify.check_page_hashes(html, blocks, STORES)} == {"ok"}
     shown = html.replace("The contact with the highest", "The contact with the lowest")
     assert [
-        row.name for row in verify.check_page_hashes(shown, read_page_data(shown), STORES) if row.state == "changed"
+        row.name
+        for row in verify.check_page_hashes(shown, read_page_data(shown), STORES)
+        if row.comparison_result == "changed"
     ] == ["page"]
     lead = json.dumps(blocks["scene"])[1:40]
     assert lead in html
     other = html.replace(lead, lead[:-2] + "  ", 1)
-    wrong = {row.name for row in verify.check_page_hashes(other, read_page_data(other), STORES) if row.state == "changed"}
+    wrong = {
+        row.name
+        for row in verify.check_page_hashes(other, read_page_data(other), STORES)
+        if row.comparison_result == "changed"
+    }
     assert wrong == {"page", "scene"}
     without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
     gone = list(verify.check_page_hashes(html, without, ()))
-    assert gone[-1].state == "missing"
+    assert gone[-1].comparison_result == "missing"
 
 
 def test_a_scene_text_cannot_end_its_block(page) -> None:
     evil = replace(page, scene_text='title = "</script><script>alert(1)</script>"', parts=())
-    html = render_page(evil)
+    html = scene_page_html(evil)
     assert "<script>alert" not in html
     assert read_page_data(html)["scene"] == evil.scene_text
 
@@ -104,12 +110,12 @@ def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, monkeypatch
     def written_later(scenes, out, *_: object):
         again = scene_page.solve_and_make_page(*scenes, STORES)
         later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
-        (out / "index.html").write_text(render_page(later), encoding="utf-8")
+        (out / "index.html").write_text(scene_page_html(later), encoding="utf-8")
         return [later]
 
     monkeypatch.setattr(verify, "write_scene_pages", written_later)
     found = verify.write_and_compare_pages([SCENE], new, tmp_path, old)
-    assert (found.code, found.parts[-1]) == (0, "nothing changed")
+    assert (found.exit_code, found.texts_and_tables[-1]) == (0, "nothing changed")
 
 
 def test_the_page_can_be_turned_and_says_what_its_results_say(html: str) -> None:

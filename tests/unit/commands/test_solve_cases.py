@@ -11,11 +11,11 @@ from tests.load_cases import CASES, SHIPPED, TEXT, written
 
 import rollbench
 from rollbench.compare.models import load_cases, registry
-from rollbench.compare.report.verify import _results_without_solver_report, read_first_page
-from rollbench.compare.studies.sweep.keys import read_vary
-from rollbench.compare.studies.sweep.run import Sweep
+from rollbench.compare.report.verify import _results_without_solver_report, read_scene_page
+from rollbench.compare.studies.sweep.keys import read_varied_keys
+from rollbench.compare.studies.sweep.run import SweepDefinition
 from rollbench.compare.studies.sweep.sample import solve_sample
-from rollbench.lowfi.rating.life import basic_rating_life, equivalent_contact_loads, life_by_equivalent_loads
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads, life_by_equivalent_loads
 
 #: A ring that nothing holds across its two balls, without and with a force across them.
 OPEN = """
@@ -44,11 +44,11 @@ def test_cases_in_order_each_as_it_is_alone_and_their_summary(tmp_path, command)
     whole = found["summary"]
     assert (whole["largest_pressure_case"], whole["least_static_safety_case"]) == ("push", "push")
     assert whole["largest_pressure_MPa"] == max(one["summary"]["worst_contact"]["pressure_MPa"] for one in cases)
-    loads = [load_cases.solve_scene_with_results(SHIPPED, "lin", registry.Options()).result.load]
+    loads = [load_cases.solve_scene_with_results(SHIPPED, "lin", registry.ModelOptions()).result.load]
     loads.append(np.array([list(ball["load_N"].values()) for ball in cases[1]["balls"]]))
     assert (
         whole["life"]["L10_million_revolutions"]
-        == basic_rating_life(SHIPPED, equivalent_contact_loads(loads, [0.75, 0.25])).revolutions
+        == basic_rating_life(SHIPPED, damage_equivalent_contact_loads(loads, [0.75, 0.25])).revolutions
     )
     assert whole["standard_life"] is None
     assert "preload" in whole["standard_life_words"]
@@ -107,14 +107,16 @@ def test_a_page_shows_all_cases_and_the_worst_one_in_full(tmp_path, command) -> 
     said = command.said("report", written(tmp_path), "--out", tmp_path / "page")
     assert said.startswith("Of 3 load cases, push has the highest pressure.")
     assert "Life: " in said
-    found = read_first_page(tmp_path / "page")[1]["results"]
+    found = read_scene_page(tmp_path / "page")[1]["results"]
     assert [one["case"] for one in found["cases"]] == ["balls", "push", "loose"]
     assert "seconds" in str(found)
     assert "seconds" not in str(_results_without_solver_report(found)), "a page made again has not moved"
 
 
 def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> None:
-    sweep = Sweep(TEXT, "two.toml", read_vary(["cases[1].supports[0].displace.uz=4 um,9 um"]), 2, "grid", model="lin")
+    sweep = SweepDefinition(
+        TEXT, "two.toml", read_varied_keys(["cases[1].supports[0].displace.uz=4 um,9 um"]), 2, "grid", model="lin"
+    )
     sweep.check()
     low, high = (solve_sample(TEXT, "two.toml", sweep.keys, [f"{x} um"], "lin", "interpreted") for x in (4, 9))
     assert low["at"].startswith("case balls: ")
@@ -129,8 +131,8 @@ def test_a_sweep_takes_the_worst_case_and_the_life_over_the_cycle(tmp_path) -> N
 @pytest.mark.parametrize("force", [0.02, 600.0])
 def test_a_nut_on_a_shaft_bears_its_own_force_alone(force: float) -> None:
     """ISO 3408-5 adds preload between two halves: offsets that preload a set of several are in its force already."""
-    nut = load_cases.solve_with_results(one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", registry.Options()).sets[
-        "nut"
-    ]
+    nut = load_cases.solve_with_results(
+        one_set(small_screw(4, force=(0.0, 0.0, force))), "lin", registry.ModelOptions()
+    ).loads_by_set["nut"]
     found = life_by_equivalent_loads([nut.parts], [1.0], [nut.force], nut.preload)
-    assert found.loads == (pytest.approx(force, rel=1e-6), 0.0)
+    assert found.equivalent_loads == (pytest.approx(force, rel=1e-6), 0.0)

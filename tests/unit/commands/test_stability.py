@@ -7,10 +7,10 @@ import pytest
 from tests.campaign import check_axes
 
 from rollbench.compare.studies import extremes
-from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.axis.solve import solve_assembly
 
-CASES = {c.name: c for c in extremes.extreme_cases()}
+CASES = {c.name: c for c in extremes.hard_scenes()}
 QUICK = (
     *("axial 0.01 N", "axial 1e+06 N", "clearance 50 um, 0.01 N", "preload 20 um, 0 N", "lateral 5000 N"),
     *("moment 50 N m", "offset 3 mm, 5000 N, no preload", "random +-20 um, preload 0 um, seed 1"),
@@ -34,8 +34,8 @@ NOMINAL, GUESS, _ = extremes.SOURCE
 @pytest.mark.parametrize("formulation", [extremes.ENERGY, *extremes.BACKENDS])
 @pytest.mark.parametrize("name", QUICK)
 def test_ours_solves_or_names_the_mechanism(name, formulation):
-    row = extremes.solve_case_by_formulation(CASES[name], formulation)
-    assert extremes.unexpected_attempts([row]) == []
+    row = extremes.solve_hard_scene_by_formulation(CASES[name], formulation)
+    assert extremes.unexpected_outcomes([row]) == []
     if row.status.startswith("not attempted"):
         assert formulation != extremes.ENERGY
         assert "leaves no wall" in row.status
@@ -49,18 +49,21 @@ def test_ours_solves_or_names_the_mechanism(name, formulation):
 
 def test_source_needs_a_start_with_contact_agrees_but_beyond_the_arc_and_is_not_attempted_when_dense():
     case = CASES["axial 1000 N"]
-    nominal, guess = extremes.solve_case_by_formulation(case, NOMINAL), extremes.solve_case_by_formulation(case, GUESS)
-    beyond = extremes.solve_case_by_formulation(CASES["r_G/r_B 1.00001, axial"], GUESS)
+    nominal, guess = (
+        extremes.solve_hard_scene_by_formulation(case, NOMINAL),
+        extremes.solve_hard_scene_by_formulation(case, GUESS),
+    )
+    beyond = extremes.solve_hard_scene_by_formulation(CASES["r_G/r_B 1.00001, axial"], GUESS)
     assert nominal.status.startswith("singular Jacobian at iteration 1")
     assert nominal.difference_percent is None
     assert [guess.converged, beyond.converged] == [True, True]
     assert 0.0 < guess.difference_percent < 1e-6 < 1.0 < beyond.difference_percent
     assert "differ from the energy solver's" in beyond.reason
     case = CASES["300 balls"]
-    row = extremes.solve_case_by_formulation(case, NOMINAL)
+    row = extremes.solve_hard_scene_by_formulation(case, NOMINAL)
     assert row.unknowns > extremes.DENSE_LIMIT
     assert row.status == f"not attempted: dense Jacobian of {row.unknowns} unknowns"
-    assert extremes.source_unknowns(case.scene) > row.unknowns  # a node at every contact has more
+    assert extremes.unknown_count_of_thesis_equations(case.scene) > row.unknowns  # a node at every contact has more
 
 
 def test_the_table_has_every_kind_of_scene():
@@ -78,14 +81,14 @@ def test_the_table_has_every_kind_of_scene():
     for kind in (*words, "no load", "one row of rollers"):
         assert any(kind in name for name in CASES), kind
         assert kind in ("no load", "too large") or any(kind in n and n.startswith(("axis", "one row")) for n in CASES), kind
-    assert len(CASES) == len(extremes.extreme_cases()) > 150
+    assert len(CASES) == len(extremes.hard_scenes()) > 150
 
 
 @pytest.mark.parametrize("name", AXES)
 def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(name):
     case = CASES[name]
-    ours, other = (extremes.solve_case_by_formulation(case, f) for f in (extremes.ENERGY, extremes.FORCES))
-    assert extremes.unexpected_attempts([ours, other]) == []
+    ours, other = (extremes.solve_hard_scene_by_formulation(case, f) for f in (extremes.ENERGY, extremes.FORCES))
+    assert extremes.unexpected_outcomes([ours, other]) == []
     assert ours.converged
     assert other.converged or (other.status.startswith("not attempted") and "roller" in other.status)
     assert check_axes.faults(case.scene, solve_assembly(case.scene, engine="compiled")) == ""
@@ -94,7 +97,9 @@ def test_axes_are_solved_by_two_formulations_and_judged_by_what_shares_no_code(n
 def test_a_row_of_rollers_that_is_pulled_out_is_named_and_one_that_is_pushed_in_holds():
     pulled, pushed = (CASES[f"one row of rollers: axial {x} N"] for x in ("1000", "-1000"))
     assert (
-        extremes.unexpected_attempts([extremes.solve_case_by_formulation(c, extremes.ENERGY) for c in (pulled, pushed)])
+        extremes.unexpected_outcomes(
+            [extremes.solve_hard_scene_by_formulation(c, extremes.ENERGY) for c in (pulled, pushed)]
+        )
         == []
     )
     assert check_axes.proven(pulled.scene, False)
@@ -105,20 +110,20 @@ def test_other_loads_than_the_law_of_a_slice_or_than_the_other_formulation_s_are
     case = CASES[MIXED + "across 1000 N"]
     found = solve_assembly(case.scene, engine="compiled")
     row = found.sets[3]
-    assert extremes.slice_law_residual(row, found) < 1e-12
+    assert extremes.roller_slice_law_residual(row, found) < 1e-12
     lines = row.line_loads.copy()
     lines[0, 0] *= 1.0 + 1e-6
     wrong = replace(row, line_loads=lines)
-    assert extremes.slice_law_residual(wrong, found) > extremes.SLICES
-    other = extremes.solve_case_by_formulation(case, extremes.FORCES)
-    assert extremes.unexpected_attempts([replace(other, difference_percent=0.1)])
+    assert extremes.roller_slice_law_residual(wrong, found) > extremes.SLICES
+    other = extremes.solve_hard_scene_by_formulation(case, extremes.FORCES)
+    assert extremes.unexpected_outcomes([replace(other, difference_percent=0.1)])
     tilted = found.centreline.copy()
     tilted[int(np.abs(found.centreline_z - row.of.position).argmin()), 0] += 1e-9
-    assert extremes.slice_law_residual(row, replace(found, centreline=tilted)) > extremes.SLICES
+    assert extremes.roller_slice_law_residual(row, replace(found, centreline=tilted)) > extremes.SLICES
 
 
 def test_what_is_cut_away_of_elastic_bodies_leaves_rollers_on_the_same_shaft_in_balance():
     axis = CASES[MIXED + "axial 3000 N"].scene
-    found = solve_refined(axis, engine="compiled")
+    found = solve_assembly_with_elastic_bodies(axis, engine="compiled")
     assert found.status == "converged"
     assert max(found.equilibrium.force_residual, found.equilibrium.moment_residual) < 1e-9

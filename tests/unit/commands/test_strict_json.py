@@ -47,7 +47,7 @@ def test_no_command_is_forgotten():
 
 def test_no_kind_of_shipped_scene_is_forgotten():
     def kinds(names):
-        return {(type(s).__name__, getattr(s, "kind", "")) for s in map(catalogue.any_scene, names)}
+        return {(type(s).__name__, getattr(s, "kind", "")) for s in map(catalogue.scene_of_any_kind, names)}
 
     assert kinds((*WHOLE, *FRICTION_ONLY)) == kinds(catalogue.scene_names())
 
@@ -67,7 +67,7 @@ def test_friction(command, tmp_path, name):
         path = tmp_path / f"{name}.toml"
         path.write_text(short, encoding="utf-8")
         scene = str(path)
-    mu = ("--mu", "0.1") if name in WHOLE and catalogue.any_scene(name).friction is None else ()
+    mu = ("--mu", "0.1") if name in WHOLE and catalogue.scene_of_any_kind(name).friction is None else ()
     assert strict(command, "friction", scene, *mu)["scene"] == name
 
 

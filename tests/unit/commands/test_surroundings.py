@@ -87,7 +87,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
     (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
     code = (
         "import sys, runpy; from rollbench.reports import offscreen\ntry: "
-        "offscreen.draw_in_child('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
+        "offscreen.draw_in_child_process('rollbench.reports.nowhere', None, 'x.png')\nexcept RuntimeError as error: "
         "print(error)\nfrom rollbench.compare.studies.run_times import run_timed_python_process as launch\n"
         "print(launch(['-c', 'import numpy; print(numpy.__file__)']).output)\n"
     )
@@ -99,7 +99,7 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
 
 
 def test_control_characters_of_a_scene_and_of_a_report_s_files_are_escaped():
-    assert verify.HashCheck("x\x1b]0;title", "\x1b", "y").line.isprintable()
+    assert verify.HashCheck("x\x1b]0;title", "\x1b", "y").terminal_line.isprintable()
     text = catalogue.shipped_scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
     scene = scene_file.scene_from_text(text, "bad\x1bname.toml")
     assert scene.title.startswith("\\x1b[31m\\u202e")

@@ -15,7 +15,7 @@ from tests.helpers import small_screw
 
 import rollbench
 from rollbench.compare.scenes.template import new_scene_text
-from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_text, ross_text, write_table
+from rollbench.compare.studies.table_files import ROSS_TERMS, modelica_table_text, ross_module_text, write_table_file
 from rollbench.lowfi.compliance.parts import LADDER
 from rollbench.lowfi.statics import elastic
 from rollbench.meshes.parts import FREEDOMS, Support
@@ -48,7 +48,7 @@ def travel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("travel")
     (folder / "my.toml").write_text(new_scene_text("ball screw", "40x10"))
     found = rollbench.table(folder / "my.toml", ["nut.position=100:900:3 mm"], quantities=["stiffness", "pressure"])
-    write_table(folder / "t.json", found)
+    write_table_file(folder / "t.json", found)
     return folder, found
 
 
@@ -56,7 +56,7 @@ def travel(tmp_path_factory):
 def rotors(travel):
     """What `ROTOR` prints on the rows of `travel`."""
     folder, found = travel
-    (folder / "bearings.py").write_text(ross_text(found))
+    (folder / "bearings.py").write_text(ross_module_text(found))
     done = subprocess.run([ROSS, "-c", ROTOR], cwd=folder, capture_output=True, text=True, check=False)
     if "No module named 'ross'" in done.stderr:
         pytest.skip("no ROSS (ross-rotordynamics) here: install rollbench[ross], or name an interpreter by ROSS_PYTHON")
@@ -174,7 +174,7 @@ def test_a_modelica_file_over_one_key_has_the_answers_and_says_what_it_leaves_ou
 
 def test_a_modelica_file_over_two_keys_has_a_grid_of_each_term():
     found = rollbench.table("lin-case3", ["nut.position=300 mm,100 mm", "load=1 kN,3 kN"], quantities=["stiffness"])
-    tables = read_back(modelica_text(found)[0])
+    tables = read_back(modelica_table_text(found)[0])
     assert tables["K_uz_uz"][1:, 0] == pytest.approx([100.0, 300.0])
     assert tables["K_uz_uz"][0, 1:] == pytest.approx([1.0, 3.0])
     assert tables["K_rx_uy"][1:, 1:].ravel() == pytest.approx(found.stiffness[[2, 3, 0, 1], 3, 1])
@@ -182,7 +182,7 @@ def test_a_modelica_file_over_two_keys_has_a_grid_of_each_term():
 
 def test_a_grid_with_gaps_is_no_modelica_file(command, tmp_path):
     found = rollbench.table("lin-case3", ["nut.position=100 mm,900 mm", "load=1 kN,3 kN"], quantities=["stiffness"])
-    write_table(tmp_path / "t.json", found)
+    write_table_file(tmp_path / "t.json", found)
     assert "nut.position 900 mm, load 1 kN" in command.refused("export", tmp_path / "t.json", "--modelica", tmp_path / "t")
 
 
@@ -203,7 +203,7 @@ def test_unknown_key_unit_quantity_place_or_file_is_one_line(command, arguments,
 
 
 def test_a_csv_file_holds_every_row(travel, tmp_path):
-    write_table(tmp_path / "t.csv", travel[1])
+    write_table_file(tmp_path / "t.csv", travel[1])
     rows = list(csv.DictReader((tmp_path / "t.csv").read_text().splitlines()))
     assert [row["nut.position_mm"] for row in rows] == ["100.0", "500.0", "900.0"]
     assert float(rows[1]["K_uz_rx"]) == travel[1].rows[1].stiffness[2, 3]
@@ -211,14 +211,14 @@ def test_a_csv_file_holds_every_row(travel, tmp_path):
 
 def test_a_parquet_file_holds_every_row(travel, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    write_table(tmp_path / "t.parquet", travel[1])
+    write_table_file(tmp_path / "t.parquet", travel[1])
     column = parquet.read_table(tmp_path / "t.parquet")["K_uz_uz"].to_pylist()
     assert column == [*travel[1].stiffness[:2, 2, 2], None]
 
 
 def test_netcdf_has_the_grid(travel, tmp_path):
     xarray = pytest.importorskip("xarray")
-    write_table(tmp_path / "t.nc", travel[1])
+    write_table_file(tmp_path / "t.nc", travel[1])
     with xarray.open_dataset(tmp_path / "t.nc", engine="scipy") as read:
         assert (
             read["stiffness"].sel({"nut.position_mm": 500.0, "force": "uz", "freedom": "rx"})

@@ -53,7 +53,7 @@ def test_each_kind_of_command_ends_with_one_thread(words, tmp_path):
 def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
     code = (
         f"{COUNT}\nimport numpy\nfrom threadpoolctl import threadpool_info\n"
-        "from rollbench.compare.reference.parallel import as_done\n"
+        "from rollbench.compare.reference.parallel import run_jobs\n"
         "for _, found in as_done([(threadpool_info, ())] * 2, workers=2):\n"
         "    print([x['num_threads'] for x in found if x['user_api'] == 'blas'])\n"
     )

@@ -24,7 +24,7 @@ CASE = catalogue.scene("lin-case1")
 LAYOUT = ball_layout(CASE)
 SMOOTH = replace(REFINED, flank=False)
 TUBE = smooth_body(reduce_to_compliance_geometry(CASE), True, REFINED)
-PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
+PLAIN = tube_section(2.0 * TUBE.outer_radius, 2.0 * TUBE.bore_radius, TUBE.material)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def by_closed_form(width: float) -> np.ndarray:
 
 
 def test_contacts_move_as_saint_venant_says(response):
-    found, wanted = response.contacts[:, 2:5], by_closed_form(TUBE.width)
+    found, wanted = response.contacts[:, 2:5], by_closed_form(TUBE.patch_width)
     inside = np.abs(np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2) - CASE.nut.position) < 10e-3
     for k in range(3):
         size = np.abs(wanted[:, k]).max()
@@ -65,7 +65,7 @@ def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
     found, wanted = screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
     wanted[:, 0] += (at - response.high) * wanted[:, 4]
     wanted[:, 1] -= (at - response.high) * wanted[:, 3]
-    far, size = 1.1 * TUBE.outer, np.abs(wanted).max(axis=0)
+    far, size = 1.1 * TUBE.outer_radius, np.abs(wanted).max(axis=0)
     for k in (2, 3, 4):
         assert np.abs(found - wanted)[z < at - far, k].max() < 0.03 * size[k]
         assert np.abs(found)[z > at + far, k].max() < (0.03 if k == 2 else 0.15) * size[k]

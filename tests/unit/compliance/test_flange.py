@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from tests.helpers import relative
 
-from rollbench.lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
+from rollbench.lowfi.compliance.tube import ContactPoints, SmoothBody, contact_compliance, tube_compliance
 from rollbench.meshes.parts import Flange, Material
 
 STEEL = Material(210e9, 0.3)
@@ -15,23 +15,23 @@ ZONE = (12e-3, 50e-3)
 Z, AZIMUTH = 1e-3 * np.array([14.0, 22.0, 31.0, 40.0, 47.0]), np.array([0.3, 2.0, -1.1, -2.8, 0.9])
 
 
-def tube(flange: Flange | None = FLANGE, held: str = "flange", length: float = LENGTH, bore: float = BORE) -> Tube:
-    return Tube(bore, OUTER, (0.0, length), held, bore, 2e-3, 12, (3.2e-3, 1.5e-3), STEEL, None, flange)
+def tube(flange: Flange | None = FLANGE, held: str = "flange", length: float = LENGTH, bore: float = BORE) -> SmoothBody:
+    return SmoothBody(bore, OUTER, (0.0, length), held, bore, 2e-3, 12, (3.2e-3, 1.5e-3), STEEL, None, flange)
 
 
-def motions(of: Tube, shift: float = 0.0) -> np.ndarray:
+def motions(of: SmoothBody, shift: float = 0.0) -> np.ndarray:
     """Compliance of contacts in all three directions, those along r first."""
     z = Z - shift
     found = tube_compliance(of, (ZONE[0] - shift, ZONE[1] - shift))
     axes = np.repeat(np.eye(3)[:, None], z.size, axis=1)  # (3, contacts, 3)
     pairs = np.stack([np.concatenate([axes[0], axes[2]]), np.concatenate([axes[1], axes[1]])], axis=1)
-    return contact_compliance(found, Points(np.tile(AZIMUTH, 2), np.tile(z, 2), pairs))
+    return contact_compliance(found, ContactPoints(np.tile(AZIMUTH, 2), np.tile(z, 2), pairs))
 
 
-def axial(of: Tube) -> float:
+def axial(of: SmoothBody) -> float:
     """Motion of the far end along the axis by an axial force all around the line beside the flange."""
     found = tube_compliance(of, of.ends)
-    return float(found.line[0].whole()[-1, 2])
+    return float(found.line_compliance[0].full_matrix()[-1, 2])
 
 
 def plate(thickness: float, inner: float, outer: float) -> float:
@@ -85,7 +85,7 @@ def test_a_flange_on_the_right_is_that_on_the_left_seen_from_behind() -> None:
     zone = (LENGTH - ZONE[1], LENGTH - ZONE[0])
     unit = np.eye(3)
     axes = np.stack([np.tile(unit[[0, 2]], (Z.size, 1, 1))]).reshape(Z.size, 2, 3)
-    G = contact_compliance(tube_compliance(left, ZONE), Points(AZIMUTH, Z, axes))
+    G = contact_compliance(tube_compliance(left, ZONE), ContactPoints(AZIMUTH, Z, axes))
     turned = axes * np.array([1.0, -1.0, -1.0])
-    H = contact_compliance(tube_compliance(right, zone), Points(-AZIMUTH, LENGTH - Z, turned))
+    H = contact_compliance(tube_compliance(right, zone), ContactPoints(-AZIMUTH, LENGTH - Z, turned))
     assert relative(H, G) < 1e-6

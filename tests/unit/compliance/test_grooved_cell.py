@@ -8,7 +8,7 @@ import pytest
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.shaft.section import stiffness_of_grooved_shaft
 from rollbench.lowfi.compliance import tube
-from rollbench.lowfi.compliance.fourier import Body, tube_grid
+from rollbench.lowfi.compliance.fourier import BodyOfRevolution, tube_grid
 from rollbench.lowfi.compliance.groove import equivalent_cylinder_radius
 from rollbench.lowfi.compliance.parts import (
     REFINED,
@@ -17,28 +17,33 @@ from rollbench.lowfi.compliance.parts import (
     reduce_to_compliance_geometry,
     smooth_body,
 )
-from rollbench.lowfi.compliance.tube import cell_grid, cell_section, cell_stiffness, flank_profile_points
+from rollbench.lowfi.compliance.tube import (
+    flank_profile_points,
+    grooved_beam_section,
+    half_lead_cell_grid,
+    half_lead_stiffness,
+)
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.section import screw_section, tube_section
 
 SCENE = catalogue.scene("lin-case1")
-MAP, STEEL = GrooveMap.of(SCENE), SCENE.screw.material
-LAND, ROOT = 16e-3, float(flank_profile_points(GrooveMap.of(SCENE), 16e-3, True, 17)[0][0])
+MAP, STEEL = GrooveMap.from_scene(SCENE), SCENE.screw.material
+LAND, ROOT = 16e-3, float(flank_profile_points(GrooveMap.from_scene(SCENE), 16e-3, True, 17)[0][0])
 KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
 
 
 def constants(grid):
-    body = Body(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
-    return np.array([cell_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+    body = BodyOfRevolution(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
+    return np.array([half_lead_stiffness(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
 
 
 def of_screw(m=MAP, land=LAND, bore=0.0):
-    return cell_section(m, land, bore, True, STEEL)
+    return grooved_beam_section(m, land, bore, True, STEEL)
 
 
 def changed(**track):
     """Map of the scene with another track."""
-    return GrooveMap.of(replace(SCENE, track=replace(SCENE.track, **track)))
+    return GrooveMap.from_scene(replace(SCENE, track=replace(SCENE.track, **track)))
 
 
 def of_section(section):
@@ -55,7 +60,10 @@ def test_plain_cell_is_exact(bore):
 def test_refinement(screw):
     flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), screw)
     meshes = [(4, 3, 4), tube.MESH, (16, 10, 16)]
-    found = [constants(cell_grid(flank.map, flank.land, flank.far, screw, mesh)) for mesh in meshes]
+    found = [
+        constants(half_lead_cell_grid(flank.groove_map, flank.land_radius, flank.plain_radius, screw, mesh))
+        for mesh in meshes
+    ]
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
     assert np.all(found[0] >= found[1])
@@ -74,18 +82,18 @@ def between(section, soft, stiff):
 def test_screw_and_nut_between_root_and_land():
     section = of_screw()
     between(section, (2 * ROOT, 0.0), (2 * LAND, 0.0))
-    assert ROOT < section.radii[0] < LAND
+    assert ROOT < section.equivalent_radii[0] < LAND
     volume = equivalent_cylinder_radius(half_groove_of_body(reduce_to_compliance_geometry(SCENE), True), 2)
-    assert all(ROOT < r < volume for r in section.radii)
+    assert all(ROOT < r < volume for r in section.equivalent_radii)
     assert of_section(section.section)[0] < screw_section(SCENE).EA
-    for name, radius in zip(("EA", "EI", "GJ"), section.radii, strict=True):
+    for name, radius in zip(("EA", "EI", "GJ"), section.equivalent_radii, strict=True):
         plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
         assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
     flank = half_groove_of_body(reduce_to_compliance_geometry(SCENE), False)
-    section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
-    root = float(flank_profile_points(flank.map, flank.land, False, 17)[0][0])
-    between(section, (2 * flank.far, 2 * root), (2 * flank.far, 2 * flank.land))
-    assert all(flank.land < r < root for r in section.radii)
+    section = grooved_beam_section(flank.groove_map, flank.land_radius, flank.plain_radius, False, STEEL)
+    root = float(flank_profile_points(flank.groove_map, flank.land_radius, False, 17)[0][0])
+    between(section, (2 * flank.plain_radius, 2 * root), (2 * flank.plain_radius, 2 * flank.land_radius))
+    assert all(flank.land_radius < r < root for r in section.equivalent_radii)
 
 
 def test_nothing_is_left_out_of_a_shallow_groove():
@@ -143,5 +151,5 @@ def test_a_bearing_s_outer_ring_is_a_tube_of_its_outer_diameter():
     beside, above = (f(angle) * (radius - scene.balls.radius) for f in (np.sin, np.cos))
     across = np.linspace(0.0, scene.nut.length / 2.0, 20_001) + beside
     arc = scene.track.pitch_radius - above + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
-    bore = np.maximum(arc, half_groove_of_body(reduce_to_compliance_geometry(scene), False).land)
+    bore = np.maximum(arc, half_groove_of_body(reduce_to_compliance_geometry(scene), False).land_radius)
     assert inner == pytest.approx(np.sqrt((bore**2).mean()), rel=1e-3)

@@ -5,21 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.compare.studies.survey import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.lowfi.compliance import faces
 from rollbench.lowfi.compliance.between import (
     groove_and_face_compliance,
-    near_face_compliance_of_body,
+    groove_and_face_compliance_of_body,
     nut_beam_compliance,
     smooth_body_compliance_beyond_beam,
 )
 from rollbench.lowfi.compliance.beyond_hertz import NARROW, half_space_compliance
 from rollbench.lowfi.compliance.bodies import clear_compliance_cache
-from rollbench.lowfi.compliance.fourier import Body, Grid, solve_harmonic
-from rollbench.lowfi.compliance.groove import equal_patch_loads, sampled_harmonics, self_motion
+from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, solve_harmonic_displacements
+from rollbench.lowfi.compliance.groove import patch_self_motion, sampled_harmonics, symmetric_and_antisymmetric_loads
 from rollbench.lowfi.compliance.parts import (
     REFINED,
     grooved_section,
@@ -46,18 +46,20 @@ def test_a_cut_is_a_body_of_its_own(name, held):
     own groove and on that behind, along the normals and across them."""
     parts = reduce_to_compliance_geometry(scene(name))
     flank, smooth = half_groove_of_body(parts, False), smooth_body(parts, False, REFINED)
-    grid, cuts = faces.grooved_grid(flank, faces.FAR.mesh)
-    k, n, width = 3, 3, NARROW * flank.map.ball
+    grid, cuts = faces.grooved_body_grid(flank, faces.FAR.mesh)
+    k, n, width = 3, 3, NARROW * flank.groove_map.ball
     loads = faces.flank_patch_loads(flank, grid, cuts, width, 2)
     harmonics = sampled_harmonics(10.0)
     found = faces.patch_motions_for_end_faces(flank, grid, cuts, harmonics, (0.0, np.inf), smooth.held, loads, width)
-    short = Grid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
+    short = QuadrilateralGrid(grid.r[: cuts[k] + 1], grid.z[: cuts[k] + 1])
     fixed = np.zeros((*short.shape, 3), dtype=bool)
     fixed[[0, -1] if held else 0] = True
     forces = loads[:, :, k, : cuts[k] + 1].reshape(2 * len(loads), -1)[:, ~fixed.ravel()].T
-    body = Body(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
-    alone = (forces[:, :4].T @ solve_harmonic(body.bands(~fixed.ravel()), n, forces)).reshape(2, 2, -1, 2)
-    share = np.exp(-((n * width / flank.contact()[0]) ** 2))
+    body = BodyOfRevolution(short, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    alone = (forces[:, :4].T @ solve_harmonic_displacements(body.stiffness_bands(~fixed.ravel()), n, forces)).reshape(
+        2, 2, -1, 2
+    )
+    share = np.exp(-((n * width / flank.contact_position()[0]) ** 2))
     assert found[int(held), n, ..., k] == pytest.approx(share * alone, rel=1e-8, abs=1e-8 * np.abs(alone).max())
 
 
@@ -70,7 +72,7 @@ def whole(parts):
         + nut_beam_compliance(parts, layout)
         + groove_and_face_compliance(parts, layout, False, REFINED)
     )
-    normal = flank.map.signs[2:] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
+    normal = flank.groove_map.signs[2:] * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
     count = layout.z.size
     return 1e9 * np.einsum("sa,siatjb,tb->sitj", normal, G.reshape(2, count, 2, 2, count, 2), normal)
 
@@ -86,10 +88,12 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     parts, flank, _ = case
     compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
-    found = near_face_compliance_of_body(parts, False, REFINED)
-    distance = np.array([2.05, 2.50]) * flank.map.ball + found.beside
-    assert (found.face_compliance(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
-    assert found.face_compliance(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(np.zeros((2, 2, 2, 2)), abs=1e-20)
+    found = groove_and_face_compliance_of_body(parts, False, REFINED)
+    distance = np.array([2.05, 2.50]) * flank.map.ball + found.contact_to_mid_groove
+    assert (found.compliance_by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
+    assert found.compliance_by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(
+        np.zeros((2, 2, 2, 2)), abs=1e-20
+    )
 
 
 def test_a_lip_tilts_and_the_contact_leaves_it():
@@ -97,7 +101,9 @@ def test_a_lip_tilts_and_the_contact_leaves_it():
     deg on the flank pressed towards it. Without the lip's tilt they were 47.2, 47.0 and 47.0, and the load 3.9 % of the
     mean too small (116.0 N, of which level 1's mesh may have 2 N too much)."""
     result = run_model(
-        scene_file.scene_from_text(scene_text(SEED, 6), "drawn.toml"), "refined", Options(discretisation=False)
+        scene_file.scene_from_text(random_screw_scene_text(SEED, 6), "drawn.toml"),
+        "refined",
+        ModelOptions(estimate_beam_mesh_error=False),
     )
     assert np.degrees(result.contact_angle[[39, 38, 37], 2]) == pytest.approx([46.205, 46.433, 46.653], abs=0.12)
     assert result.load[39] == pytest.approx([50.18, 117.70, 116.04, 45.61], abs=1.0)
@@ -108,7 +114,7 @@ def test_both_faces_are_told_apart(name):
     """A nut turned end for end has the same compliance, its balls and flanks turned with it; a grooved body is its own
     mirror image."""
     parts = scene(name)
-    grid, cuts = faces.grooved_grid(
+    grid, cuts = faces.grooved_body_grid(
         half_groove_of_body(reduce_to_compliance_geometry(parts), False), faces.BESIDE_FACE.mesh
     )
     assert cuts[-1] == len(grid.z) - 1
@@ -139,14 +145,19 @@ def test_short_lands_are_softer():
     0.96 um/kN above that of a cell of half a lead clamped at its end and outer surface."""
     parts = scene("unseen-40x10")
     flank, middle = half_groove_of_body(reduce_to_compliance_geometry(parts), False), 28
-    width = NARROW * flank.map.ball
-    cell = self_motion(flank, flank.grid(), equal_patch_loads(flank, flank.grid(), width), width)
+    width = NARROW * flank.groove_map.ball
+    cell = patch_self_motion(
+        flank,
+        flank.finite_element_grid(),
+        symmetric_and_antisymmetric_loads(flank, flank.finite_element_grid(), width),
+        width,
+    )
     beam = nut_beam_compliance(parts, ball_layout(parts)).reshape(2, -1, 2, 2, ball_layout(parts).z.size, 2)[
         1, middle, :, 1, middle
     ]
-    normal = flank.map.signs[3] * np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)])
+    normal = flank.groove_map.signs[3] * np.array([np.cos(flank.groove_map.beta), np.sin(flank.groove_map.beta)])
     softer = (
-        near_face_compliance_of_body(reduce_to_compliance_geometry(parts), False, REFINED).alone
+        groove_and_face_compliance_of_body(reduce_to_compliance_geometry(parts), False, REFINED).self_compliance
         + half_space_compliance(width, flank.material)
         - cell
     )
@@ -167,17 +178,17 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
     parts, flank, smooth = case
     section, angle = grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
     whole_face, annulus = (
-        faces.near_face_compliance(flank, smooth, section, radii, near=False)
+        faces.compute_groove_and_face_compliance(flank, smooth, section, radii, has_near_face=False)
         for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
     )
-    assert annulus.alone == whole_face.alone
-    assert np.array_equal(annulus.compliance_between(angle), whole_face.compliance_between(angle))
+    assert annulus.self_compliance == whole_face.self_compliance
+    assert np.array_equal(annulus.compliance_far_from_faces(angle), whole_face.compliance_far_from_faces(angle))
 
 
 def test_beside_a_face_a_contact_is_as_small_as_it_is(monkeypatch):
     """Own compliance of a nut 32x10 held at both faces, its first ball 1.03 radii from one: 3D (free mesh twice as fine as
     level 1, 20 modes) has 1.63 um/kN less than at a middle ball, 1.80 on level 1; a patch of 0.18 radii 1.10."""
-    parts = scene_file.scene_from_text(scene_text(SEED, 2), "drawn.toml")
+    parts = scene_file.scene_from_text(random_screw_scene_text(SEED, 2), "drawn.toml")
     compliance = own(parts, 0)
     assert compliance[0] - compliance[15] == pytest.approx(-1.63, abs=0.12)
     monkeypatch.setattr(faces, "BESIDE_FACE", faces.BESIDE_FACE._replace(highest=16.0, mesh=(12, 8)))

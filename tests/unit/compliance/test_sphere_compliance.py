@@ -15,7 +15,7 @@ from rollbench.lowfi.compliance.beyond_hertz import (
     sphere_series_coefficients,
     sphere_series_expansion,
 )
-from rollbench.lowfi.compliance.fourier import Body, Grid, add_mid_nodes, quadratic_shape_functions
+from rollbench.lowfi.compliance.fourier import BodyOfRevolution, QuadrilateralGrid, add_mid_nodes, quadratic_shape_functions
 from rollbench.meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
@@ -113,7 +113,7 @@ def pressed_sphere(count, size):
     rho = add_mid_nodes(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
     r, z = rho * np.sin(t)[::-1, None], rho * np.cos(t)[::-1, None]
     r[0] = r[-1] = 0.0
-    body = Body(Grid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
+    body = BodyOfRevolution(QuadrilateralGrid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
     node, weight = np.polynomial.legendre.leggauss(40)
     N = quadratic_shape_functions(node)[0]
     area, loaded, wave, first = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t), 0.0
@@ -135,7 +135,7 @@ def pressed_sphere(count, size):
     free[0, 0, 2] = False
     free = free.ravel()
     q = np.zeros(free.size)
-    q[free] = spsolve(sp.csc_matrix(body.stiffness(0)[free][:, free]), force.ravel()[free])
+    q[free] = spsolve(sp.csc_matrix(body.harmonic_stiffness(0)[free][:, free]), force.ravel()[free])
     surface = q.reshape(force.shape)[::-1, -1]
     u = -(surface[:, 0] * np.sin(t) + surface[:, 2] * np.cos(t))
     u -= np.cos(t) * (wave @ u) * 3.0 / (4.0 * np.pi * RADIUS**2)

@@ -20,11 +20,11 @@ from rollbench.compare.studies.crosscheck.results import (
     compare_contact_loads,
     element_error,
     extrapolate_loads,
-    load_results,
+    load_calculix_results,
     path_of_stored_results,
     runs_with_common_contact_stiffness,
-    save_results,
-    shipped_results,
+    save_calculix_results,
+    shipped_results_folder,
 )
 from rollbench.compare.studies.crosscheck.study import (
     STUDIES,
@@ -94,7 +94,7 @@ def ours(loads: list[np.ndarray]) -> estimate.Reference:
     """A reference of runs with these loads."""
 
     runs = tuple(SimpleNamespace(level=k, load=x) for k, x in enumerate(loads, start=1))
-    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), estimate.GridParts(1.0))
+    return estimate.Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), estimate.MeshUncertainty(1.0))
 
 
 def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
@@ -109,12 +109,12 @@ def test_what_calculix_prints_is_read_and_a_deck_known_by_what_it_says():
 def test_loads_that_obey_the_law_are_extrapolated_exactly():
     """Equal loads on all contacts, so that all have one semi-axis."""
     found = extrapolate_loads([replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in RUNS])
-    assert (found.order, found.length) == (ORDER, LENGTH)
+    assert (found.error_order, found.field_length) == (ORDER, LENGTH)
     np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
     finest = min(element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS)
     np.testing.assert_allclose(found.uncertainty, 0.1 * 26.0 * finest * (LIMIT > 0.0), atol=1e-5)
-    assert (found.by_elements[0, 0], found.by_stiffness[0, 0]) == pytest.approx((26.0 * finest, -2.0))
-    assert found.fixed == ()
+    assert (found.element_size_effect[0, 0], found.contact_stiffness_effect[0, 0]) == pytest.approx((26.0 * finest, -2.0))
+    assert found.unvaried_options == ()
 
 
 def test_the_error_of_elements_is_that_of_its_derivation():
@@ -156,7 +156,7 @@ def test_the_uncertainty_covers_what_the_law_leaves_out_and_shows_scatter():
         assert off.mean() < 0.8 * finest.mean()
         assert found.uncertainty.mean() < most * finest.mean()
         # the law's share was measured on a mesh whose loads are up to 14 % larger
-        np.testing.assert_allclose(found.by_stiffness, -0.002 * limit, rtol=0.15)
+        np.testing.assert_allclose(found.contact_stiffness_effect, -0.002 * limit, rtol=0.15)
         extrapolated.append(found)
     quiet, loud = extrapolated
     assert loud.misfit > 2.0 * quiet.misfit
@@ -168,26 +168,26 @@ def test_too_few_runs_are_refused_and_what_is_not_varied_is_named_and_two_meshes
         with pytest.raises(ValueError, match=why):
             extrapolate_loads(kept)
     found = extrapolate_loads(RUNS[:2])
-    assert found.fixed == ("growth", "contact stiffness")
-    assert not found.by_stiffness.any()
+    assert found.unvaried_options == ("growth", "contact stiffness")
+    assert not found.contact_stiffness_effect.any()
     two = [r.load for r in RUNS[:2]]
     assert found.uncertainty[0, 0] > abs(two[1] - two[0])[0, 0]  # any order and length fits
 
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path):
-    save_results(tmp_path, DATA)
-    again = load_results(tmp_path, "two-balls")
+    save_calculix_results(tmp_path, DATA)
+    again = load_calculix_results(tmp_path, "two-balls")
     for one, two in zip(again.runs, RUNS, strict=True):
         np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
         assert replace(one, load=0) == replace(two, load=0)
     assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
-    assert load_results(tmp_path, "other") is None
+    assert load_calculix_results(tmp_path, "other") is None
     plain = json.loads(path_of_stored_results(tmp_path, "two-balls").read_text())
     bad = {**plain["runs"][0], "load": [1.0]}
     for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
         path_of_stored_results(tmp_path, "two-balls").write_text(json.dumps(broken))
         with pytest.raises(errors.InputError, match="results that rollbench crosscheck wrote"):
-            load_results(tmp_path, "two-balls")
+            load_calculix_results(tmp_path, "two-balls")
 
 
 def test_rows_compare_limits_in_per_cent_of_the_mean_load():
@@ -210,7 +210,7 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_stored_results_are_those_of_the_shipped_scenes(name):
-    data = load_results(shipped_results(), name)
+    data = load_calculix_results(shipped_results_folder(), name)
     assert data.key == digest_of_shipped_scene(name)
     assert [deck_folder_name(o) for o in STUDIES[name]] == [deck_folder_name(r) for r in data.runs]
     for run in data.runs:

@@ -15,12 +15,12 @@ from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import export
 from rollbench.compare.studies.crosscheck import study
 from rollbench.compare.studies.crosscheck.deck import DeckOptions, build_deck
-from rollbench.compare.studies.crosscheck.study import compare_nut_compliance, load_nut, save_nut
+from rollbench.compare.studies.crosscheck.study import compare_nut_compliance, load_nut_compliance, save_nut_compliance
 from rollbench.meshes import helix, parts
 from rollbench.meshes.exchange.deck import (
     ContactPair,
-    Deck,
     DeckBody,
+    InputDeck,
     RigidSection,
     cells_and_numbers_of_faces,
     deck_text,
@@ -58,7 +58,7 @@ def table(text: str, head: str) -> np.ndarray:
     return np.array(rows)
 
 
-def stack(stiffness: float = 1e16) -> Deck:
+def stack(stiffness: float = 1e16) -> InputDeck:
     """Two unit cubes (1 mm) one on the other: the lower one held, the upper one pressed by 10 N."""
     points, cells = cube("P2", 1)
     soft = parts.Material(1e9, 0.0)
@@ -72,7 +72,9 @@ def stack(stiffness: float = 1e16) -> Deck:
     at, held, pressed = np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)), -10.0 * np.eye(6)[2]
     section = RigidSection("PUSH", "HIGH", "HIGH_END", at, held, pressed, (2,))
     contact = ContactPair("HIGH_FACE", "LOW_FACE")
-    return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³")
+    return InputDeck(
+        tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³"
+    )
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -105,7 +107,7 @@ def test_equations_of_a_section_are_those_of_a_rigid_motion():
     text = deck_text(deck, "m")
     move, turn = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.5, -0.7])
     nodes = table(text, "*NODE, NSET")
-    u = {int(n): move + np.cross(turn, x - deck.sections[0].point) for n, *x in nodes}
+    u = {int(n): move + np.cross(turn, x - deck.rigid_sections[0].reference_point) for n, *x in nodes}
     first = max(u) - 1  # the last two nodes are the section's
     u[first], u[first + 1] = move, turn
     equations = [data for key, data in blocks(text) if key == "*EQUATION"]
@@ -135,7 +137,7 @@ def test_calculix_finds_what_a_stack_of_cubes_must_and_tells_where_it_fails(unit
     found = study.solve_deck_or_read_result(deck_text(stack(), unit), tmp_path)
     assert list(found.forces) == ["HIGH_FACE"]
     assert found.forces["HIGH_FACE"] == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
-    ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
+    ((_, _, sunk),) = found.node_displacements["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
@@ -157,8 +159,8 @@ def test_two_programs_find_one_compliance_of_the_nut_held_and_on_its_flange(tmp_
     assert "within 0.1 %" in found.sentence_on_agreement()
     wrong = replace(found, ours=(1.002 * np.array(found.ours)).tolist())
     assert "NOT within 0.1 %" in wrong.sentence_on_agreement()
-    save_nut(tmp_path, found)
-    np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
+    save_nut_compliance(tmp_path, found)
+    np.testing.assert_allclose(load_nut_compliance(tmp_path).ours, found.ours, rtol=1e-7)
     nut = replace(scene.nut, flange=parts.Flange(64e-3, 5e-3, (26e-3, 30e-3), "right", 4e-3, bonded=True))
     scene = replace(scene, nut=nut, solid=replace(scene.solid, nut_held="flange face"))
     assert compare_nut_compliance(scene, tmp_path, options).difference < 0.1
@@ -238,7 +240,7 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path):
         ({"out": tmp_path / "a.txt"}, "out: got"),
     ):
         with pytest.raises(InputError, match=key):
-            export.write_deck(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
+            export.write_calculix_deck(**{**good, "scene": scene, "out": tmp_path / "a.inp", **choices})
     assert not list(tmp_path.iterdir())
 
 
@@ -246,7 +248,7 @@ def test_the_real_grooves_are_larger_by_their_error():
     scene = catalogue.scene("two-balls")
     smaller = replace(scene.errors.SL, profile=(2e-6,))
     screw = build_deck(replace(scene, errors=replace(scene.errors, SL=smaller, SR=smaller)), COARSE).deck.bodies[0]
-    flank = screw.points[screw.faces["SCREW_SL_1"].ravel()]
+    flank = screw.points[screw.face_sets["SCREW_SL_1"].ravel()]
     centre = np.array([20e-3, 7e-3]) + 0.4e-3 * np.array([1.0, 1.0]) / np.sqrt(2.0)
     away = np.hypot(np.hypot(*flank[:, :2].T) - centre[0], flank[:, 2] - centre[1])
     np.testing.assert_allclose(away, 4.398e-3, atol=1e-9)
@@ -259,7 +261,7 @@ def test_a_cut_keeps_its_balls_where_they_were():
     np.testing.assert_allclose(kept.centre, whole.centre[14:17], atol=1e-12)
     assert cut.loads[0].force[2] == pytest.approx(5000.0 * 3 / 32)
     assert cut.loads[0].at == cut.supports[0].at == pytest.approx(cut.nut.position - cut.nut.length / 2.0 - 3.0 * 2.778e-3)
-    assert export.parse_balls("15:17", scene) == (15, 17)
+    assert export.parse_ball_range("15:17", scene) == (15, 17)
     for bad, key in (
         (catalogue.scene("bearing-9"), "track.lead"),
         (catalogue.scene("lin-random"), "errors"),
@@ -278,21 +280,21 @@ def test_the_command_writes_a_deck(tmp_path, command):
 
 def test_a_half_is_held_in_its_plane(meshed):
     whole, half = meshed, build_deck(catalogue.scene("two-balls"), replace(COARSE, half=True))
-    assert half.deck.mirrored == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
+    assert half.deck.symmetry_node_sets == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
     assert not whole.deck.mirrored
     text = deck_text(half.deck)
     held = [line for key, data in blocks(text) if key == "*BOUNDARY" for line in data]
-    assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.mirrored]
+    assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.symmetry_node_sets]
     for body in half.deck.bodies:
-        cut = body.nodes[f"{body.name}_CUT"]
+        cut = body.node_sets[f"{body.name}_CUT"]
         assert np.abs(body.points[cut][:, 1]).max() < 1e-12
         assert body.points[:, 1].min() > -1e-12
-        led = [n for name, n in body.nodes.items() if name in ("SCREW_BORE", "NUT_HELD")]
+        led = [n for name, n in body.node_sets.items() if name in ("SCREW_BORE", "NUT_HELD")]
         assert not any(np.intersect1d(cut, n).size for n in led)  # these follow their section, which stays in the plane
-        for corners in body.faces.values():
+        for corners in body.face_sets.values():
             assert not np.isin(corners, cut).all(axis=1).any()
-        for one, two, axis in body.alike:
+        for one, two, axis in body.nodes_with_equal_displacement:
             arm = body.points[one] - body.points[two]
             assert abs(np.cross(arm, np.eye(3)[axis])[1]) > 1e-3  # a turn about y parts the two nodes
-    assert [len(b.alike) for b in half.deck.bodies] == [0, 0, 1, 1]
+    assert [len(b.nodes_with_equal_displacement) for b in half.deck.bodies] == [0, 0, 1, 1]
     assert 1.4 < whole.deck.node_count / half.deck.node_count < 2.0

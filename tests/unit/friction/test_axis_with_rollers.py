@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from tests.axes import ROLLERS, fixed_axis, solved
 
-from rollbench.compare.studies.friction.solve import solve_axis
+from rollbench.compare.studies.friction.solve import solve_friction_of_shaft
 from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.meshes.axis import RollingSet
 
@@ -18,5 +18,5 @@ def test_friction_warns_of_pressed_rollers_as_statics_does(offset, pressed):
     axis = replace(axis, sets=(*rows, *axis.sets[2:]))
     of_rollers = [w for w in solved(axis).warnings if w.startswith("rollers") and w.kind == "pressure"]
     assert bool(of_rollers) is pressed
-    warned = solve_axis(axis, FrictionChoices(model="lin", mu=(0.1,))).data["warnings"]
+    warned = solve_friction_of_shaft(axis, FrictionChoices(model="lin", mu=(0.1,))).data["warnings"]
     assert [w for w in warned if w.startswith("rollers") and w.kind == "pressure"] == of_rollers

@@ -20,10 +20,10 @@ from rollbench.lowfi.friction.linear.chain import (
     pair_results_over_grid,
     prepare_linear_chain,
     solve_linear_chain,
-    solve_pair,
+    solve_pair_of_linear_balls,
 )
 
-BEARING = source_cases.linear_pair_scene().bearing
+BEARING = source_cases.linear_ball_pair_scene().bearing
 ANGLES, LOADS = pair_angles_and_loads(BEARING, np.radians(2.0), -0.6, 100.0)
 
 
@@ -155,7 +155,7 @@ def test_mirror():
     two = solve_linear_chain(prepare_linear_chain(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
     np.testing.assert_allclose(two.velocity, -one.velocity[::-1], rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force[::-1], atol=1e-9)
-    assert two.drive == pytest.approx(-one.drive, rel=1e-9)
+    assert two.carriage_drive_force == pytest.approx(-one.carriage_drive_force, rel=1e-9)
     assert two.loss == pytest.approx(one.loss, rel=1e-9)
 
 
@@ -214,7 +214,7 @@ def test_two_point_transition_is_continuous():
 def test_zero_speed_and_no_load():
     still = solve_linear_chain(prepare_linear_chain(replace(BEARING, speed=0.0), ANGLES, LOADS))
     assert still.status == "converged"
-    assert still.loss == still.drive == still.power == 0.0
+    assert still.loss == still.carriage_drive_force == still.power == 0.0
     assert not still.velocity.any()
     empty = solve_linear_chain(prepare_linear_chain(BEARING, ANGLES, np.zeros((2, 4))))
     assert empty.loss == 0.0
@@ -222,24 +222,24 @@ def test_zero_speed_and_no_load():
 
 
 def test_friction_increase_of_the_pair():
-    result = solve_pair(BEARING, np.radians(2.0), -0.6, 100.0)
-    forces = result.touching.drive / result.free.drive - 1.0
+    result = solve_pair_of_linear_balls(BEARING, np.radians(2.0), -0.6, 100.0)
+    forces = result.touching.carriage_drive_force / result.apart.carriage_drive_force - 1.0
     assert result.friction_increase == pytest.approx(forces, rel=1e-8)
     assert result.friction_increase > 0.5
-    assert result.rubbing_ratio > 1.5
+    assert result.groove_and_ball_loss_ratio > 1.5
     assert result.touching.velocity[0] == pytest.approx(result.touching.velocity[1], rel=1e-9)
 
 
 def test_maps_have_both_models_and_their_difference():
     theta, rho = np.radians([-2.0, 0.0, 2.0]), np.array([-0.6, 0.0, 0.6])
     m = pair_results_over_grid(BEARING, theta, rho, 100.0, 1.4)
-    assert m.failures == 0
-    np.testing.assert_allclose(m.difference.numerical[1], 0.0, atol=1e-9)
-    np.testing.assert_allclose(m.difference.numerical[:, 1], 0.0, atol=1e-9)
+    assert m.unconverged_state_count == 0
+    np.testing.assert_allclose(m.velocity_deviation_difference.numerical[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(m.velocity_deviation_difference.numerical[:, 1], 0.0, atol=1e-9)
     assert min(m.force.numerical[2, 0], m.force.formula[2, 0], m.force.numerical[0, 2]) > 3.0
     assert m.force.numerical[0, 0] == m.force.formula[0, 0] == 0.0
-    assert m.ratio.numerical[0, 0] == m.ratio.formula[0, 0] == 1.0
-    for both in (m.force, m.difference, m.ratio):
+    assert m.groove_and_ball_loss_ratio.numerical[0, 0] == m.groove_and_ball_loss_ratio.formula[0, 0] == 1.0
+    for both in (m.force, m.velocity_deviation_difference, m.groove_and_ball_loss_ratio):
         np.testing.assert_allclose(both.numerical + both.error, both.formula)
 
 

@@ -9,15 +9,15 @@ from scipy.special import ellipe
 from tests.friction_oracles import pure_spin_moment
 
 from rollbench.lowfi.friction.contact.laws import (
-    Coulomb,
-    RegularisedCoulomb,
-    Sigmoid,
+    CoulombLaw,
+    RegularisedCoulombLaw,
+    SigmoidLaw,
     contacts_from_values,
-    cubic_force_factor,
+    cubic_friction_force_factor,
     dissipated_power,
-    error_of_linear_force,
+    error_of_linear_friction_force,
     friction_forces,
-    linear_force_factor,
+    linear_friction_force_factor,
     motion_of_rotation_about_point,
 )
 
@@ -77,7 +77,7 @@ def smooth_reference(b, c, d, h=0.0, n=400):
 def ours(b, c, d, speed=0.0):
     """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
     e = dissipated_power(contacts_from_values(1.0, b, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, d), speed)
-    return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
+    return np.array([e.power[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
 
 
 @pytest.mark.parametrize("b", RATIOS)
@@ -106,7 +106,7 @@ def test_regularised_against_a_product_rule(b, c, d):
     exact = smooth_reference(b, c, d, h)
     assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
     assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
-    assert e.excess[0] == pytest.approx(h * exact[4], rel=1e-10)
+    assert e.excess_over_loss[0] == pytest.approx(h * exact[4], rel=1e-10)
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.02])
@@ -119,7 +119,7 @@ def test_derivatives_against_finite_differences(motion, speed):
         step = np.zeros((1, 3))
         step[0, j] = 1e-5
         up, down = dissipated_power(at, m + step, speed), dissipated_power(at, m - step, speed)
-        assert (up.value - down.value) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
+        assert (up.power - down.power) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
         assert (up.gradient - down.gradient) / 2e-5 == pytest.approx(e.hessian[:, j], rel=1e-6, abs=1e-7)
 
 
@@ -130,25 +130,25 @@ def test_convex_and_of_degree_one():
     e = dissipated_power(at, m)
     size = np.linalg.norm(e.hessian, axis=(1, 2))
     assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
-    assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.value, rel=1e-11)
-    assert dissipated_power(at, 5.0 * m).value == pytest.approx(5.0 * e.value, rel=1e-13)
-    between = dissipated_power(at, 0.5 * (m + m[::-1])).value
-    assert np.all(between <= 0.5 * (e.value + dissipated_power(at, m[::-1]).value) * (1.0 + 1e-13))
+    assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.power, rel=1e-11)
+    assert dissipated_power(at, 5.0 * m).power == pytest.approx(5.0 * e.power, rel=1e-13)
+    between = dissipated_power(at, 0.5 * (m + m[::-1])).power
+    assert np.all(between <= 0.5 * (e.power + dissipated_power(at, m[::-1]).power) * (1.0 + 1e-13))
 
 
 def test_regularised_lies_at_most_the_speed_above():
     rng = np.random.default_rng(4)
     m = rng.normal(size=(200, 3))
     at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
-    exact = dissipated_power(at, m).value
+    exact = dissipated_power(at, m).power
     for speed in (1.0, 1e-2, 1e-5):
-        rise = dissipated_power(at, m, speed).value - exact
+        rise = dissipated_power(at, m, speed).power - exact
         assert np.all(rise >= -1e-14)
-        assert np.all(rise <= at.strength * speed * (1.0 + 1e-12))
+        assert np.all(rise <= at.friction_bound * speed * (1.0 + 1e-12))
     still = contacts_from_values(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3))
     assert not dissipated_power(*still).gradient.any()
-    assert dissipated_power(*still).value[0] == 0.0
-    assert dissipated_power(*still, 0.2).value[0] == pytest.approx(0.02, rel=1e-14)
+    assert dissipated_power(*still).power[0] == 0.0
+    assert dissipated_power(*still, 0.2).power[0] == pytest.approx(0.02, rel=1e-14)
 
 
 def test_limits_of_pure_spin_and_pure_sliding():
@@ -161,7 +161,7 @@ def test_limits_of_pure_spin_and_pure_sliding():
     for c in (1e3, -1e9, np.inf):
         motion = motion_of_rotation_about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
         slide = friction_forces(at, motion)
-        assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.strength, rel=1e-11)
+        assert slide.force[:, 1] == pytest.approx(-np.sign(c) * at.friction_bound, rel=1e-11)
         assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
     for c in (1e4, 1e8, 1e15, 1e30):  # the moment keeps its digits
         far_away = friction_forces(contacts_from_values(1.0, 0.2, 1.0, 1.0), motion_of_rotation_about_point(1.0, c, 0.0))
@@ -186,7 +186,7 @@ def test_both_engines_agree():
     at = contacts_from_values(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
     for speed in (0.0, 0.1):
         slow, quick = dissipated_power(at, m, speed), dissipated_power(at, m, speed, fast=True)
-        assert quick.value == pytest.approx(slow.value, rel=1e-13)
+        assert quick.power == pytest.approx(slow.power, rel=1e-13)
         assert quick.hessian == pytest.approx(slow.hessian, rel=1e-9, abs=1e-12 * np.max(np.abs(slow.hessian)))
 
 
@@ -197,30 +197,30 @@ def test_force_inside_is_a_cubic(b):
     f = -friction_forces(
         contacts_from_values(2.0, np.full(4, 2.0 * b), 1.0, 1.0), motion_of_rotation_about_point(np.ones(4), 2.0 * t, 0.0)
     ).force[:, 1]
-    assert f == pytest.approx(linear_force_factor(b) * t - cubic_force_factor(b) * t**3, rel=1e-12)
+    assert f == pytest.approx(linear_friction_force_factor(b) * t - cubic_friction_force_factor(b) * t**3, rel=1e-12)
     fine = np.linspace(1e-3, 0.5, 200)
-    g = linear_force_factor(b) - cubic_force_factor(b) * fine**2
-    assert error_of_linear_force(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
+    g = linear_friction_force_factor(b) - cubic_friction_force_factor(b) * fine**2
+    assert error_of_linear_friction_force(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
 
 
 def test_sigmoid_as_printed_and_its_faults():
     at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.0, 0.3, 0.02]])
-    law, e = Sigmoid(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
+    law, e = SigmoidLaw(100.0, 10.0), np.exp(100.0 * 0.02 / 10.0)
     factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
-    assert law.friction(at, m).force == pytest.approx(factor * Coulomb().friction(at, m).force, rel=1e-13)
+    assert law.friction(at, m).force == pytest.approx(factor * CoulombLaw().friction(at, m).force, rel=1e-13)
     assert np.all(law.friction(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
     assert law.friction(at, -m).force == pytest.approx(-law.friction(at, m).force, rel=1e-13)
-    literal = Sigmoid(100.0, 10.0, magnitude=False)
+    literal = SigmoidLaw(100.0, 10.0, uses_spin_magnitude=False)
     assert literal.friction(at, -m).force == pytest.approx(literal.friction(at, m).force, rel=1e-13)
-    assert np.all(np.isfinite(Sigmoid(1e6, 1e-3).friction(at, m).force))
+    assert np.all(np.isfinite(SigmoidLaw(1e6, 1e-3).friction(at, m).force))
 
 
 def test_interpolated_maps():
     """Linear between the multiples of the step, equal at them; exact again as the step falls."""
     at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
-    exact = Coulomb().friction
-    coarse = Sigmoid(1e9, 1.0, map_spacing=0.08)
+    exact = CoulombLaw().friction
+    coarse = SigmoidLaw(1e9, 1.0, map_spacing=0.08)
     on = motion_of_rotation_about_point(2.0, 0.16, 0.0)
     assert coarse.friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
     off = motion_of_rotation_about_point(-2.0, 0.2, 0.0)
@@ -238,9 +238,9 @@ def test_interpolated_maps():
 def test_regularised_law_tends_to_coulomb():
     at = contacts_from_values(1.0, 0.2, 1.0, 0.1)
     m = np.array([[0.1, 0.3, 0.9]])
-    exact = Coulomb().friction(at, m)
+    exact = CoulombLaw().friction(at, m)
     for speed, limit in ((1e-2, 1e-2), (1e-6, 1e-6)):
-        f = RegularisedCoulomb(speed).friction(at, m)
+        f = RegularisedCoulombLaw(speed).friction(at, m)
         assert np.max(np.abs(f.force - exact.force)) < limit
         assert f.loss[0] < exact.loss[0]
         assert f.loss[0] == pytest.approx(-(f.force @ m[0, :2] + f.moment * m[0, 2])[0], rel=1e-10)

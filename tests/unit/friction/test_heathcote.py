@@ -52,7 +52,7 @@ def test_pure_rolling_has_two_lines_without_slip(slender):
 def curved_power(scene, at, i):
     """Power lost by ball i with curved contacts, a function of its motion q, by quadrature."""
     path, radii = ball_kinematics(scene, TURN, float(at.ball_radius[i])), nominal_groove_radii(scene)
-    maps, drives = path.maps(at.normals[i])
+    maps, drives = path.contact_kinematics(at.normals[i])
     x, z, mass = hertz_pressure_quadrature(16, 24)
     along = [contact_axes(normal)[0] for normal in at.normals[i]]
 
@@ -61,7 +61,7 @@ def curved_power(scene, at, i):
         total = 0.0
         for s in np.flatnonzero(at.force[i] > 0.0):
             body = path.screw_speed if ON_SCREW[s] else path.nut_speed
-            omega = ((q[0] - body) * path.axis + q[1:]) @ along[s]
+            omega = ((q[0] - body) * path.screw_axis_direction + q[1:]) @ along[s]
             curve = omega * 0.25 * (1.0 / at.ball_radius[i] + 1.0 / radii[s])
             a, b = at.a[i, s], at.b[i, s]
             vx = motion[s, 0] + motion[s, 2] * b * z
@@ -78,11 +78,11 @@ def test_estimate_is_that_of_the_motion_solved_again(beta, conformity, oversize)
     radius = conformity * 2.0 * scene.balls.radius
     scene = replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
     found = friction_state(scene, solved(scene), MU, TURN)
-    at = found.at
-    estimate = heathcote_loss_increase(scene, at, found.balls, MU, TURN)
+    at = found.contacts
+    estimate = heathcote_loss_increase(scene, at, found.ball_friction, MU, TURN)
     exact = 0.0
     for i in range(2):
-        q0 = np.array([found.balls.orbit[i], *found.balls.rotation[i]])
+        q0 = np.array([found.ball_friction.orbital_speed[i], *found.ball_friction.rotation[i]])
         scale = np.array([1e-4, 1e-3, 1e-3, 1e-3]) * np.abs(q0).max()
         power = curved_power(scene, at, i)
         best = minimize(
@@ -92,5 +92,5 @@ def test_estimate_is_that_of_the_motion_solved_again(beta, conformity, oversize)
             options={"xatol": 1e-5, "fatol": 1e-9, "maxiter": 4000, "adaptive": True},
         )
         exact += 1e-3 * best.fun
-    exact = exact / found.balls.power - 1.0
+    exact = exact / found.ball_friction.total_power_lost - 1.0
     assert estimate == pytest.approx(exact, abs=0.003)

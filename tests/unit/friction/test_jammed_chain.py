@@ -12,7 +12,7 @@ from rollbench.compare.studies.friction.whole import FrictionChoices
 from rollbench.lowfi.friction.as_source.chain import balls_of_linear_bearing
 from rollbench.lowfi.friction.contact.laws import dissipated_power
 from rollbench.lowfi.friction.linear.bearing import loads_of_elastic_contacts
-from rollbench.lowfi.friction.linear.chain import find_second_state, prepare_linear_chain, solve_linear_chain
+from rollbench.lowfi.friction.linear.chain import find_second_equilibrium, prepare_linear_chain, solve_linear_chain
 
 #: Two balls under opposite side forces: deviations [deg] of the contact angles BL, BR, TR, TL, and side force ratios.
 DEVIATIONS, SIDE = ((1.9, -0.8, -0.3, -1.2), (-0.3, 0.9, -3.0, -2.7)), (0.89, -0.89)
@@ -22,7 +22,7 @@ LIMIT = 0.035
 
 def two_balls(mu_balls):
     """Bearing, contact angles [rad] and loads [N] of both balls."""
-    bearing = replace(source_cases.linear_pair_scene().bearing, mu_balls=mu_balls)
+    bearing = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=mu_balls)
     angles = bearing.contact_angle + np.radians(DEVIATIONS)
     loads, turned = loads_of_elastic_contacts(bearing, angles, 100.0, np.array(SIDE))
     return bearing, turned, loads
@@ -34,25 +34,29 @@ def closing(bearing, angles, loads, force):
     At a given force the motion of both balls is that of least dissipation, sliding between them included: convex.
     """
     balls = balls_of_linear_bearing(bearing, angles, loads)
-    pair, v, size = balls.pair, bearing.speed, 1e-5
+    pair, v, size = balls.ball_to_ball_contact, bearing.speed, 1e-5
     maps = np.zeros((8, 3, 6))
-    maps[:4, :, :3], maps[4:, :, 3:] = balls.maps / pair.units
-    slide, drives = np.hstack([pair.first, -pair.second]) / np.tile(pair.units, 2), balls.drives.reshape(8, 3) / v
+    maps[:4, :, :3], maps[4:, :, 3:] = balls.contact_motion_maps / pair.surface_speed_per_unit
+    slide, drives = (
+        np.hstack([pair.first_ball_surface_speeds, -pair.second_ball_surface_speeds])
+        / np.tile(pair.surface_speed_per_unit, 2),
+        balls.imposed_contact_motions.reshape(8, 3) / v,
+    )
     push, rub = force * np.array([1.0, 0.0, 0.0, -1.0, 0.0, 0.0]), pair.mu * force
 
     def total(q):
-        d, s = dissipated_power(balls.at, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(balls.contacts, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         gradient = np.einsum("ir,irj->j", d.gradient, maps) + rub * slide.T @ s / long
-        return d.value.sum() + push @ q + rub * long, gradient + push
+        return d.power.sum() + push @ q + rub * long, gradient + push
 
     def bend(q):
-        d, s = dissipated_power(balls.at, drives + maps @ q, size), slide @ q
+        d, s = dissipated_power(balls.contacts, drives + maps @ q, size), slide @ q
         long = np.sqrt(s @ s + size**2)
         across = (np.eye(2) - np.outer(s, s) / long**2) / long
         return np.einsum("irj,irs,isk->jk", maps, d.hessian, maps) + rub * slide.T @ across @ slide
 
-    start = np.tile(pair.nominal * pair.units / v, 2)
+    start = np.tile(pair.nominal_rolling_motion * pair.surface_speed_per_unit / v, 2)
     found = minimize(total, start, jac=True, hess=bend, method="trust-exact", options={"gtol": 1e-9, "maxiter": 500})
     return float(found.x[0] - found.x[3])
 
@@ -66,13 +70,13 @@ def test_jammed_state_is_found_where_friction_holds_what_makes_it_and_only_there
     assert found.status == "converged"
     assert found.ball_force[0] == 0.0
     assert closing(*pair, 0.0) < -1e-3
-    other = find_second_state(chain, found, fast=False)
+    other = find_second_equilibrium(chain, found, fast=False)
     jams = max(closing(*pair, force) for force in (1.0, 4.0, 6.5, 7.0, 7.5)) > 0.0
     assert jams is (mu_balls > LIMIT)
     assert (other is not None) is jams
     if jams:
         assert other.status == "converged"
-        assert other.drive > 1.2 * found.drive
+        assert other.carriage_drive_force > 1.2 * found.carriage_drive_force
         force = other.ball_force[0]
         # just beyond the limit the rate is zero within the oracle's smoothing of friction
         if mu_balls >= 0.1:

@@ -31,7 +31,7 @@ from rollbench.lowfi.friction.linear.chain import (
 )
 from rollbench.lowfi.friction.linear.kernel import equations as kernel
 
-BEARING = source_cases.linear_pair_scene().bearing
+BEARING = source_cases.linear_ball_pair_scene().bearing
 
 
 @pytest.mark.parametrize("conformity", [0.505, 0.52, 0.6, 0.95])
@@ -42,7 +42,7 @@ def test_contact_law_against_the_closed_form(c, conformity):
     for w in (1.0, -2.0):
         d = dissipated_power(contacts_from_values(1.0, shape[0], 1.0, 1.0), np.array([[0.0, c * w, w]]))
         f, m, *bend = kernel.slide_and_spin_friction(c * w, w, shape)
-        assert (c * w * f + w * m, f, m) == pytest.approx((d.value[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
+        assert (c * w * f + w * m, f, m) == pytest.approx((d.power[0], *d.gradient[0, 1:]), rel=1e-9, abs=1e-9)
         assert bend == pytest.approx(d.hessian[0, [1, 1, 2], [1, 2, 2]], rel=1e-6, abs=1e-9)
 
 

@@ -49,28 +49,28 @@ def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
 
 def test_backwards_other_neighbours_push(pushed):
     back = state(touching(), PUSH, Motion(10.0))
-    assert back.torque.reverse_power == pytest.approx(pushed.torque.power, rel=1e-9)
-    assert np.all(back.neighbours.force == 0.0)
+    assert back.friction_sums.reverse_power == pytest.approx(pushed.torque.power, rel=1e-9)
+    assert np.all(back.neighbour_friction.force_on_next_ball == 0.0)
 
 
 def test_without_friction_of_balls_or_grooves_nothing_is_lost_there(pushed):
     smooth = state(touching(), replace(PUSH, balls=0.0), TURN)
-    assert smooth.neighbours.force.max() > 0.0
-    assert smooth.neighbours.power == pytest.approx(0.0, abs=1e-12)
+    assert smooth.neighbour_friction.force_on_next_ball.max() > 0.0
+    assert smooth.neighbour_friction.power_lost_between_balls == pytest.approx(0.0, abs=1e-12)
     free = friction_with_neighbours(touching(), pushed.at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
-    assert free.power == free.balls.power == 0.0
+    assert free.power_lost_between_balls == free.ball_friction.total_power_lost == 0.0
 
 
 @pytest.mark.parametrize(("feedback", "apart"), [(False, 1e-6), (True, 1e-5)])
 def test_balls_apart_move_as_without_neighbours(feedback, apart):
     scene, friction = touching(apart=3e-6), replace(PUSH, feedback=feedback)
     alone, found = (state(scene, replace(friction, neighbours=n), TURN) for n in (False, True))
-    assert found.neighbours.touching == 0
-    assert found.neighbours.least == pytest.approx(3e-6, rel=0.1)
-    assert np.all(found.neighbours.force == 0.0)
-    assert found.torque.power == pytest.approx(alone.torque.power, rel=apart)
-    assert found.torque.reverse_power == pytest.approx(alone.torque.reverse_power, rel=apart)
-    assert found.torque.load == pytest.approx(alone.torque.load, rel=1e-6)
+    assert found.neighbour_friction.touching_pair_count == 0
+    assert found.neighbour_friction.smallest_gap == pytest.approx(3e-6, rel=0.1)
+    assert np.all(found.neighbour_friction.force_on_next_ball == 0.0)
+    assert found.friction_sums.power == pytest.approx(alone.friction_sums.power, rel=apart)
+    assert found.friction_sums.reverse_power == pytest.approx(alone.friction_sums.reverse_power, rel=apart)
+    assert found.friction_sums.axial_load == pytest.approx(alone.friction_sums.axial_load, rel=1e-6)
 
 
 def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
@@ -78,18 +78,20 @@ def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
     flat = 40.0 * scene.balls.radius
     scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
     alone, found = (state(scene, f, TURN) for f in (replace(PUSH, neighbours=False), PUSH))
-    assert not alone.at.across.all()
-    assert found.balls.force == pytest.approx(alone.balls.force, abs=1e-5 * np.abs(alone.balls.force).max())
-    assert found.balls.orbit == pytest.approx(alone.balls.orbit, rel=1e-6)
+    assert not alone.contacts.across.all()
+    assert found.ball_friction.force == pytest.approx(
+        alone.ball_friction.force, abs=1e-5 * np.abs(alone.ball_friction.force).max()
+    )
+    assert found.ball_friction.orbital_speed == pytest.approx(alone.ball_friction.orbital_speed, rel=1e-6)
 
 
 def test_neighbours_push_at_the_loads_that_friction_leaves(pushed):
     """Both together: loads of the feedback alone, forces between balls, power in is all that is lost."""
     scene = touching()
     moved, found = (state(scene, replace(PUSH, feedback=True, neighbours=n), TURN) for n in (False, True))
-    assert found.coupled
-    assert np.array_equal(found.at.force, moved.at.force)
-    assert np.abs(found.at.force - pushed.at.force).max() > 1e-3 * pushed.at.force.max()
-    assert found.neighbours.force.max() > 0.0
-    assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-6)
-    assert found.torque.power > moved.torque.power
+    assert found.friction_changes_loads
+    assert np.array_equal(found.contacts.force, moved.contacts.force)
+    assert np.abs(found.contacts.force - pushed.at.force).max() > 1e-3 * pushed.at.force.max()
+    assert found.neighbour_friction.force_on_next_ball.max() > 0.0
+    assert found.friction_sums.input_power == pytest.approx(found.friction_sums.power, rel=1e-6)
+    assert found.friction_sums.power > moved.friction_sums.power

@@ -19,7 +19,7 @@ from rollbench.lowfi.friction.bearing import (
     solve_ball_of_bearing,
 )
 from rollbench.lowfi.friction.contact.equilibrium import (
-    MotionProblem,
+    BodyMotionProblem,
     least_dissipation,
     motion_by_root,
     motion_by_sharpened_sigmoids,
@@ -27,17 +27,17 @@ from rollbench.lowfi.friction.contact.equilibrium import (
 from rollbench.lowfi.friction.contact.laws import contacts_from_values, dissipated_power
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
-BEARING = source_cases.rotary_scene("I").bearing
+BEARING = source_cases.rotary_ball_scene("I").bearing
 DIAGONAL = np.stack([AXIAL, RADIAL], axis=1) * np.sqrt(0.5)
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
 
 
 def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
     """Problem of motion with given contact forces (4,), axes of the right Hertz constants."""
-    h, f = bearing.constants, np.asarray(forces, dtype=float)
+    h, f = bearing.contact_hertz_constants, np.asarray(forces, dtype=float)
     cube = np.cbrt(np.maximum(f, 1e-6))
     (maps, drives), n = contact_kinematics(bearing, angles), 4 if free_z else 3
-    return MotionProblem(
+    return BodyMotionProblem(
         contacts_from_values(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps[..., :n], drives, np.zeros(n)
     )
 
@@ -84,7 +84,7 @@ def test_loads_balance_and_are_those_of_least_energy():
     n = np.stack([AXIAL * np.sin(load.angle), RADIAL * np.cos(load.angle)], axis=1)
     assert load.force @ n == pytest.approx(0.0, abs=1e-9)
     assert -(load.force @ (n[:, 0] * INNER)) == pytest.approx(100.0, rel=1e-10)
-    C, reach, scale = BEARING.constants.C, BEARING.groove_radius - BEARING.ball_radius, 1e-6
+    C, reach, scale = BEARING.contact_hertz_constants.C, BEARING.groove_radius - BEARING.ball_radius, 1e-6
 
     def energy(x):
         ring, ball = np.array([scale * x[0], 6e-6]), scale * x[1:]
@@ -92,7 +92,7 @@ def test_loads_balance_and_are_those_of_least_energy():
         return (np.sum(0.4 * C**-1.5 * np.maximum(gap, 0.0) ** 2.5) - 100.0 * ring[0]) / (100.0 * scale)
 
     best = minimize(energy, np.array([9.0, 4.0, 3.0]), method="BFGS", options={"gtol": 1e-9})
-    found = np.append(load.inner, load.ball) / scale
+    found = np.append(load.inner_body_displacements, load.ball_displacements) / scale
     assert energy(found) <= best.fun + 1e-12 * abs(best.fun)
     assert found == pytest.approx(best.x, abs=1e-3)
 
@@ -102,10 +102,14 @@ def test_clearance_opens_the_contacts():
     b = replace(BEARING, clearance=10e-6)
     load = contact_loads_of_ball(b, 100.0, 40e-6)
     reach = b.groove_radius - b.ball_radius
-    gap = load.ball - np.where(INNER[:, None], np.append(load.inner, 40e-6), 0.0) + reach * DIAGONAL
+    gap = (
+        load.ball_displacements
+        - np.where(INNER[:, None], np.append(load.inner_body_displacements, 40e-6), 0.0)
+        + reach * DIAGONAL
+    )
     approach = np.maximum(np.linalg.norm(gap, axis=1) - reach - 10e-6, 0.0)
     assert np.sum(load.force > 0.0) == 4
-    assert approach == pytest.approx(b.constants.C * load.force ** (2.0 / 3.0), rel=1e-7)
+    assert approach == pytest.approx(b.contact_hertz_constants.C * load.force ** (2.0 / 3.0), rel=1e-7)
 
 
 @pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
@@ -117,19 +121,21 @@ def test_least_dissipation_is_least(forces):
     loss = m.loss
 
     def total(q):
-        return float(np.sum(dissipated_power(p.at, p.contact_motions_at(q), fast=True).value))
+        return float(np.sum(dissipated_power(p.contacts, p.contact_motions_at(q), fast=True).power))
 
-    assert total(m.q) == pytest.approx(loss, rel=1e-9)
+    assert total(m.unknown_velocities) == pytest.approx(loss, rel=1e-9)
     rng = np.random.default_rng(6)
     for scale in (1e-6, 1e-3, 1e-1, 10.0, 300.0):
         for _ in range(40):
-            assert total(m.q + scale * rng.normal(size=4) * [0.1, 1.0, 1.0, 1.0]) >= loss * (1.0 - 1e-12)
-    start = m.q + np.array([0.05, 3.0, -3.0, 1.0])
+            assert total(m.unknown_velocities + scale * rng.normal(size=4) * [0.1, 1.0, 1.0, 1.0]) >= loss * (1.0 - 1e-12)
+    start = m.unknown_velocities + np.array([0.05, 3.0, -3.0, 1.0])
     options = {"maxiter": 4000, "maxfev": 4000, "xatol": 1e-9, "fatol": 1e-13}
     found = minimize(total, start, method="Nelder-Mead", options=options)
     assert found.fun >= loss * (1.0 - 1e-12)
     assert found.fun == pytest.approx(loss, rel=1e-2)
-    assert abs(m.q[3]) < 1e-6 * abs(m.q[1]), "the ball does not turn about its path: Lin's omega_z = 0"
+    assert abs(m.unknown_velocities[3]) < 1e-6 * abs(m.unknown_velocities[1]), (
+        "the ball does not turn about its path: Lin's omega_z = 0"
+    )
 
 
 @pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
@@ -137,19 +143,19 @@ def test_unique_from_random_starts_in_any_frame_and_engine(forces):
     """Both rings turned along by the same speed: the orbit follows, the loss stays."""
     p = problem_of(forces)
     m, quick = (least_dissipation(p, fast=f) for f in (False, True))
-    turned = least_dissipation(replace(p, drives=p.drives - 13.0 * p.maps[:, :, 0]))
-    assert quick.q == pytest.approx(m.q, rel=1e-9)
-    assert turned.q - [13.0, 0.0, 0.0] == pytest.approx(m.q, rel=1e-9)
+    turned = least_dissipation(replace(p, drives=p.imposed_contact_motions - 13.0 * p.contact_motion_maps[:, :, 0]))
+    assert quick.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-9)
+    assert turned.unknown_velocities - [13.0, 0.0, 0.0] == pytest.approx(m.unknown_velocities, rel=1e-9)
     assert [turned.loss, quick.loss] == pytest.approx([m.loss] * 2, rel=1e-10)
-    assert m.bounds[0] <= m.loss * (1.0 + 1e-12)
-    assert m.bounds[1] >= m.loss * (1.0 - 1e-9)
-    assert m.bounds[1] - m.bounds[0] <= 1e-5 * m.loss
+    assert m.dissipation_bounds[0] <= m.loss * (1.0 + 1e-12)
+    assert m.dissipation_bounds[1] >= m.loss * (1.0 - 1e-9)
+    assert m.dissipation_bounds[1] - m.dissipation_bounds[0] <= 1e-5 * m.loss
     rng = np.random.default_rng(7)
     for _ in range(25):
         start = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 4)
         other = least_dissipation(p, start, fast=True)
         assert other.status == "exact"
-        assert other.q == pytest.approx(m.q, rel=1e-7)
+        assert other.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-7)
         assert other.loss == pytest.approx(m.loss, rel=1e-9)
 
 
@@ -169,33 +175,33 @@ def test_energy_balance_over_random_scenes():
         load_on, u_y = 10.0 ** rng.uniform(-3, 5), rng.uniform(-5e-6, 1e-5)
         load = contact_loads_of_ball(b, load_on, u_y)
         (maps, drives), n = contact_kinematics(b, load.angle), 3 + k % 2
-        m = least_dissipation(MotionProblem(ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)), fast=True)
+        m = least_dissipation(BodyMotionProblem(ball_contacts(b, load), maps[..., :n], drives, np.zeros(n)), fast=True)
         assert load.converged
-        assert load.left <= 1e-9 * (np.sum(load.force) + abs(load_on))
+        assert load.largest_unbalanced_force <= 1e-9 * (np.sum(load.force) + abs(load_on))
         assert m.status == "exact"
         assert inner_ring_torque(b, load, m) * b.screw_speed == pytest.approx(m.loss, rel=1e-8)
         assert np.all(m.friction.loss >= 0.0)
-        rests.add(int(np.sum(m.rest)))
+        rests.add(int(np.sum(m.sticking_contacts)))
     assert rests >= {0, 1}
 
 
 def test_reversed_and_mirrored_motion():
     right = solve_ball_of_bearing(BEARING, 100.0, 5e-6)
     back = solve_ball_of_bearing(replace(BEARING, screw_speed=-BEARING.screw_speed), 100.0, 5e-6)
-    assert back.motion.q == pytest.approx(-right.motion.q, rel=1e-9)
-    assert back.torque == pytest.approx(-right.torque, rel=1e-10)
+    assert back.motion.unknown_velocities == pytest.approx(-right.motion.unknown_velocities, rel=1e-9)
+    assert back.inner_ring_torque == pytest.approx(-right.inner_ring_torque, rel=1e-10)
     left = solve_ball_of_bearing(BEARING, -100.0, 5e-6)
     assert left.load.force == pytest.approx(right.load.force[[1, 0, 3, 2]], rel=1e-9)
-    assert left.motion.q == pytest.approx(right.motion.q * [1.0, 1.0, -1.0], rel=1e-8)
-    assert left.torque == pytest.approx(right.torque, rel=1e-9)
+    assert left.motion.unknown_velocities == pytest.approx(right.motion.unknown_velocities * [1.0, 1.0, -1.0], rel=1e-8)
+    assert left.inner_ring_torque == pytest.approx(right.inner_ring_torque, rel=1e-9)
 
 
 def test_two_points_rest_at_the_larger_ellipse():
     """Contact forces along one line: only spin remains, all of it at the contact with the smaller moment."""
     s = solve_ball_of_bearing(BEARING, 100.0, 0.0)
-    loaded, rest = s.load.force > 0.0, s.motion.rest
+    loaded, rest = s.load.force > 0.0, s.motion.sticking_contacts
     assert (np.sum(loaded), np.sum(rest)) == (2, 1)
-    larger = np.argmax(s.at.a * loaded)
+    larger = np.argmax(s.contacts.a * loaded)
     assert rest[larger]
     assert s.motion.friction.loss[larger] == 0.0
     one, other = s.motion.friction.moment[loaded]
@@ -206,17 +212,17 @@ def test_no_motion_without_drive_and_no_loss_without_friction():
     still, smooth = (
         solve_ball_of_bearing(replace(BEARING, **change), 100.0, 5e-6) for change in ({"screw_speed": 0.0}, {"mu": 0.0})
     )
-    assert (still.motion.status, still.motion.loss, still.torque) == ("at rest", 0.0, 0.0)
+    assert (still.motion.status, still.motion.loss, still.inner_ring_torque) == ("at rest", 0.0, 0.0)
     assert smooth.motion.loss == 0.0
 
 
 def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
-    base = MotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
+    base = BodyMotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
     held = least_dissipation(replace(base, push=np.array([0.0, 6.0, 1e-3])))
     assert held.status == "exact"
-    assert held.rest[0]
+    assert held.sticking_contacts[0]
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
     assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
     assert least_dissipation(replace(base, push=np.array([0.0, 12.0, 0.0]))).status == "failed"
@@ -229,11 +235,11 @@ def test_root_finding_of_the_source():
     p = ball_motion_problem(printed, load, ball_contacts(printed, load))
     law = lin_sigmoid_law(BEARING, 100.0)
     m = least_dissipation(p, fast=True)
-    root = motion_by_sharpened_sigmoids(p, law, m.q, fast=True)
+    root = motion_by_sharpened_sigmoids(p, law, m.unknown_velocities, fast=True)
     assert root.status == "exact"
     assert root.loss == pytest.approx(m.loss, rel=1e-6)
     rng = np.random.default_rng(9)
-    starts = [m.q + rng.normal(size=3) * [0.1, 20.0, 20.0] for _ in range(20)]
+    starts = [m.unknown_velocities + rng.normal(size=3) * [0.1, 20.0, 20.0] for _ in range(20)]
     found = [motion_by_root(p, law, s, fast=True).status for s in starts]
     assert found.count("failed") > 10
 

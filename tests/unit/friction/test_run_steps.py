@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from rollbench.lowfi.friction.screw.travel import UNCLEAR, estimate_step_error, simulate_until_accurate
+from rollbench.lowfi.friction.screw.travel import UNCLEAR, estimate_time_step_errors, simulate_until_accurate
 
 
 @dataclass
@@ -21,7 +21,7 @@ class Fake:
 
 
 def error_of(torques):
-    return estimate_step_error([Fake(t) for t in torques])
+    return estimate_time_step_errors([Fake(t) for t in torques])
 
 
 def middles(steps):
@@ -44,9 +44,9 @@ def test_smooth_runs_are_of_second_order_and_the_estimate_is_their_error():
     exact = 2.0 + np.sin(middles(1024))
     error = float(np.mean(np.abs(smooth(1024) - exact))) / smooth(1024).mean()
     for name in ("torque", "mean"):
-        assert found.quantities[name].order == pytest.approx(2.0, abs=0.1)
-        assert error < found.quantities[name].error < 1.5 * error
-    assert found.steps == (256, 512, 1024)
+        assert found.errors_by_quantity[name].order == pytest.approx(2.0, abs=0.1)
+        assert error < found.errors_by_quantity[name].error < 1.5 * error
+    assert found.step_counts == (256, 512, 1024)
 
 
 @pytest.mark.parametrize("at", [0.37, 0.5001, 0.123, 0.9])
@@ -55,7 +55,7 @@ def test_jumps_are_bounded_by_the_estimate(at, most):
     levels = [jump(n, at) for n in (most // 4, most // 2, most)]
     exact = jump(2**14, at).reshape(most, -1).mean(axis=1)
     error = float(np.mean(np.abs(levels[-1] - exact)) / levels[-1].mean())
-    assert 0.5 * error <= error_of(levels).torque <= UNCLEAR * 4.0 / most
+    assert 0.5 * error <= error_of(levels).torque_error <= UNCLEAR * 4.0 / most
 
 
 def test_steps_are_doubled_until_the_errors_are_small():
@@ -83,7 +83,7 @@ def test_given_steps_are_solved_with_half_and_a_quarter(steps):
     found, error = simulate_until_accurate(simulate, steps, 8, 1e-9)
     assert tried == [steps // 4, steps // 2, steps]
     assert found.per_step.size == steps
-    assert error.steps == tuple(tried)
+    assert error.step_counts == tuple(tried)
 
 
 def test_a_run_that_ends_early_has_no_error():

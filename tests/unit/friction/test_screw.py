@@ -16,11 +16,11 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
 )
 from rollbench.lowfi import jit
 from rollbench.lowfi.friction.bearing import solve_ball_of_bearing
-from rollbench.lowfi.friction.contact.equilibrium import zero_cell_state
+from rollbench.lowfi.friction.contact.equilibrium import zero_contact_state_arrays
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
 from rollbench.lowfi.friction.linear.chain import pair_angles_and_loads
-from rollbench.lowfi.friction.linear.chain import solve_pair as solve_linear_pair
-from rollbench.lowfi.friction.screw.chain import Chain, solve_motion_of_chain
+from rollbench.lowfi.friction.linear.chain import solve_pair_of_linear_balls as solve_linear_pair
+from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, section_axes
 from rollbench.lowfi.friction.screw.motion import (
     kernel_load_arrays,
@@ -65,7 +65,7 @@ def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
     screw = replace(SCREW, nut_speed=5.0, screw_speed=-1.5)
     angle, q = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
     normals = screw.normals(angle)
-    maps, drives = screw.maps(normals)
+    maps, drives = screw.contact_kinematics(normals)
     seen = drives + maps @ q
     turn = section_axes(screw, 0.3)
     for i in range(4):
@@ -96,13 +96,13 @@ def test_pair_geometry_against_finite_differences() -> None:
         material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)
         for k, s in ((0, 1.0), (1, -1.0))
     ]
-    for k, rows in ((0, pair.first), (1, pair.second)):
-        tangents = pair.slide[k] @ frames[k]
+    for k, rows in ((0, pair.first_ball_surface_speeds), (1, pair.second_ball_surface_speeds)):
+        tangents = pair.tangent_directions[k] @ frames[k]
         assert tangents @ tangents.T == pytest.approx(np.eye(2), abs=1e-14)
         assert tangents @ line == pytest.approx([0.0, 0.0], abs=1e-14)
         assert rows @ q[k] == pytest.approx(tangents @ v[k], abs=1e-8)
-        assert pair.push[k] @ frames[k] == pytest.approx((-line, line)[k], abs=1e-14)
-    assert (v[0] - v[1]) @ line == pytest.approx(pair.closing * (q[0][0] - q[1][0]), abs=1e-8)
+        assert pair.force_directions[k] @ frames[k] == pytest.approx((-line, line)[k], abs=1e-14)
+    assert (v[0] - v[1]) @ line == pytest.approx(pair.closing_speed_factor * (q[0][0] - q[1][0]), abs=1e-8)
 
 
 def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
@@ -117,13 +117,13 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     pair = replace(screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
     cell = replace(pair.cell(), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, kernel_load_arrays(cell)
-    state = zero_cell_state(arrays)
+    state = zero_contact_state_arrays(arrays)
 
     def energy_at(p, u):
         return (
             jit.load_kernel_package(jit.CONTACT, compiled=True).contact_energy(arrays, p, u, state)
-            - np.sum(cell.push * p)
-            - cell.force @ u
+            - np.sum(cell.ball_friction_forces * p)
+            - cell.external_screw_force @ u
         )
 
     def energy(x):
@@ -132,12 +132,12 @@ def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     found = solve_screw_contact_loads(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
-    x = np.append(found.ball.ravel(), found.inner) / scale
+    x = np.append(found.ball_displacements.ravel(), found.inner_body_displacements) / scale
     assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = rng.normal(size=(2, 2)) * 1e-6, rng.normal(size=2) * 1e-6, 1e-10
     energy_at(p, u)
-    slope = np.append(state.ball.ravel(), state.inner)
+    slope = np.append(state.ball_unbalanced_forces.ravel(), state.inner_unbalanced_forces)
     for k in range(6):
         step = np.eye(6)[k] * h
         up, down = (energy_at(p + s * step[:4].reshape(2, 2), u + s * step[4:]) for s in (1.0, -1.0))
@@ -173,24 +173,24 @@ def test_input_power_is_dissipation_in_any_frame_reversed_and_mirrored(name: str
     moved = solve_ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
     assert moved.motion.loss == pytest.approx(one.motion.loss, rel=1e-10)
     assert moved.input_power == pytest.approx(one.input_power, rel=1e-9)
-    assert moved.motion.q[0] == pytest.approx(one.motion.q[0] + 3.7, rel=1e-9)
+    assert moved.motion.unknown_velocities[0] == pytest.approx(one.motion.unknown_velocities[0] + 3.7, rel=1e-9)
     back = solve_ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
     mirror = solve_ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
     for other, senses in ((back, -1.0), (mirror, [1.0, -1.0, -1.0, 1.0])):
         assert other.loss == pytest.approx(one.motion.loss, rel=1e-10)
-        assert other.q == pytest.approx(one.motion.q * senses, rel=1e-7, abs=1e-7)
+        assert other.unknown_velocities == pytest.approx(one.motion.unknown_velocities * senses, rel=1e-7, abs=1e-7)
 
 
 def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
     """In four-point contact it spends what the least dissipation does; near two-point contact many starts fail."""
     one = solve_ball_motion(SCREW, *STATES["four"])
     for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
-        root = solve_ball_motion_by_root(one, lin_sigmoid_law(SCREW, sharpness), one.motion.q)
+        root = solve_ball_motion_by_root(one, lin_sigmoid_law(SCREW, sharpness), one.motion.unknown_velocities)
         assert root.status == "exact"
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
-    assert lin_sigmoid_law(SCREW, 100.0).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
+    assert lin_sigmoid_law(SCREW, 100.0).reference_spin == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
     two = solve_ball_motion(SCREW, *STATES["two"])
-    starts = [two.motion.q * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
+    starts = [two.motion.unknown_velocities * (1.0 + 0.3 * rng.normal(size=4)) for _ in range(20)]
     failed = sum(solve_ball_motion_by_root(two, lin_sigmoid_law(SCREW, 1e3), s).status == "failed" for s in starts)
     assert failed > 4
 
@@ -198,15 +198,17 @@ def test_root_of_the_sources_law(rng: np.random.Generator) -> None:
 @pytest.mark.parametrize("u_y", [0.0, 5.2e-6, 8.0e-6])
 def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
-    ring = source_cases.rotary_scene("I").bearing
+    ring = source_cases.rotary_ball_scene("I").bearing
     s = solve_ball_of_bearing(ring, 100.0, u_y, fast=True)
     screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
     order = [0, 1, 3, 2]  # IL, IR, OL, OR
     one = solve_ball_motion(screw, s.load.force[order], s.load.angle[order])
-    assert one.at.a[s.load.force[order] > 0.0] == pytest.approx(s.at.a[order][s.load.force[order] > 0.0], rel=1e-9)
+    assert one.contacts.a[s.load.force[order] > 0.0] == pytest.approx(
+        s.contacts.a[order][s.load.force[order] > 0.0], rel=1e-9
+    )
     assert one.motion.loss == pytest.approx(s.motion.loss, rel=1e-9)
-    assert one.motion.q[[0, 3, 1]] == pytest.approx(s.motion.q, rel=1e-7)
-    assert one.motion.q[2] == pytest.approx(0.0, abs=1e-7)
+    assert one.motion.unknown_velocities[[0, 3, 1]] == pytest.approx(s.motion.unknown_velocities, rel=1e-7)
+    assert one.motion.unknown_velocities[2] == pytest.approx(0.0, abs=1e-7)
 
 
 def test_long_radius_is_the_linear_bearing() -> None:
@@ -220,10 +222,11 @@ def test_long_radius_is_the_linear_bearing() -> None:
     screw = ScrewGroove(*groove, line.young, line.poisson, line.mu, line.speed / radius, mu_balls=line.mu_balls)
     normals = screw.normals(angles[:, order])
     pairs = [
-        solve_motion_of_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)
+        solve_motion_of_chain(ScrewBallChain(screw, loads[:, order], normals, np.array([slack, np.inf])))
+        for slack in (np.inf, 0.0)
     ]
-    assert pairs[1].ball_force[0] == pytest.approx(found.force, rel=1e-4)
-    assert pairs[0].loss == pytest.approx(found.free.loss, rel=1e-4)
+    assert pairs[1].ball_force[0] == pytest.approx(found.ball_to_ball_force, rel=1e-4)
+    assert pairs[0].loss == pytest.approx(found.apart.loss, rel=1e-4)
     assert pairs[1].loss == pytest.approx(found.touching.loss, rel=1e-4)
 
 
@@ -239,7 +242,7 @@ def test_coupled_ball_is_in_equilibrium(coupling: str, oversize: float) -> None:
     moment = w[:, 3:].sum(axis=0) + np.cross(SCREW.ball_radius * n, w[:, :3]).sum(axis=0)
     assert np.abs(w[:, :3].sum(axis=0) - r.load.force[0] @ n).max() < 1e-8 * scale
     assert np.abs(moment).max() < 1e-8 * scale * SCREW.ball_radius
-    on_screw = (r.load.force[0][:, None] * n - w[:, :3])[ON_SCREW].sum(axis=0) @ SCREW.axis
+    on_screw = (r.load.force[0][:, None] * n - w[:, :3])[ON_SCREW].sum(axis=0) @ SCREW.screw_axis_direction
     if coupling == "ball and screw":
         assert on_screw == pytest.approx(-25.0, rel=1e-8)
     else:

@@ -19,7 +19,7 @@ from rollbench.lowfi.friction.screw.chain import (
     solve_loads_and_motion,
 )
 from rollbench.lowfi.friction.screw.motion import friction_on_balls_and_screw, solve_screw_contact_loads, with_fixed_screw
-from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair
+from rollbench.lowfi.friction.screw.run import BOTH, Pair, solve_pair_of_screw_balls
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.
 FOLD = (0.0011870711354544847, 1.1600932507239492e-07, (2.7421699016943855, 0.6621765470335923), 0.06644672659308906)
@@ -37,21 +37,21 @@ WEDGED = (
 
 def out_of_balance(pair: Pair, state: CoupledChainSolution) -> float:
     """Largest force out of balance of a ball across its path, over the sum of contact forces: from forces alone."""
-    n = pair.groove.normals(state.load.angle)
-    force = state.motion.wrench[..., :3].sum(axis=1) + state.motion.ball_push
-    force = force - np.einsum("ki,kir->kr", state.load.force, n)
-    return float(np.abs(force).max() / state.load.force.sum())
+    n = pair.groove.normals(state.loads_with_friction.angle)
+    force = state.motion.wrench[..., :3].sum(axis=1) + state.motion.neighbour_forces
+    force = force - np.einsum("ki,kir->kr", state.loads_with_friction.force, n)
+    return float(np.abs(force).max() / state.loads_with_friction.force.sum())
 
 
 @pytest.mark.parametrize("case", WEDGED)
 def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
     force, clearance, theta, mu = case
     pair = Pair(groove_of_table_3_6(mu=mu), tuple(np.radians(theta)), oversize=-clearance, force=(force,), coupling="ball")
-    r = solve_pair(pair)
+    r = solve_pair_of_screw_balls(pair)
     assert r.converged
-    assert r.free.rounds > PATIENCE
-    assert r.free.load.force.sum() > 5.0 * r.free.bare.force.sum()
-    for state in (r.free, r.touching):
+    assert r.apart.rounds > PATIENCE
+    assert r.apart.loads_with_friction.force.sum() > 5.0 * r.apart.loads_without_friction.force.sum()
+    for state in (r.apart, r.touching):
         assert out_of_balance(pair, state) < 1e-8
         assert state.motion.input_power == pytest.approx(state.motion.loss, rel=1e-8)
     one = ball_cell(pair.groove, np.radians(theta[0]) * np.array(BOTH), -clearance, "z", np.array([force]))
@@ -63,18 +63,22 @@ def test_wedged_pairs_and_balls_converge_and_are_in_equilibrium(case) -> None:
 def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     """Two ways that share the laws only: rounds and Newton's method on everything at once."""
     pair = replace(make(np.radians(2.0)), coupling=coupling)
-    rounds = solve_pair(pair).touching
+    rounds = solve_pair_of_screw_balls(pair).touching
     assert rounds.rounds < PATIENCE
     cell = pair.cell()
     bare = solve_screw_contact_loads(cell)
     held = with_fixed_screw(cell, bare) if coupling == "ball" else cell
-    found = solve_loads_and_motion(held, np.array([0.0, np.inf]), (bare.ball, bare.inner[: held.force.size]))
-    assert found.done
-    friction, pushed = rounds.motion.wrench, rounds.motion.ball_push[:, [0, 2]]
+    found = solve_loads_and_motion(
+        held,
+        np.array([0.0, np.inf]),
+        (bare.ball_displacements, bare.inner_body_displacements[: held.external_screw_force.size]),
+    )
+    assert found.reached_full_friction
+    friction, pushed = rounds.motion.wrench, rounds.motion.neighbour_forces[:, [0, 2]]
     push, drag = friction_on_balls_and_screw(held, friction, pushed, coupling)  # type: ignore[arg-type]
-    scale = float(rounds.load.force.sum())
-    assert found.push == pytest.approx(push, abs=1e-8 * scale)
-    assert found.drag == pytest.approx(drag, abs=1e-8 * scale)
+    scale = float(rounds.loads_with_friction.force.sum())
+    assert found.ball_friction_forces == pytest.approx(push, abs=1e-8 * scale)
+    assert found.screw_friction_forces == pytest.approx(drag, abs=1e-8 * scale)
     assert found.ball_force == pytest.approx(rounds.motion.ball_force, abs=1e-8 * scale)
 
 
@@ -87,13 +91,13 @@ def test_random_pairs_converge(coupling: str, count: int) -> None:
         theta, mu = tuple(np.radians(rng.uniform(-5.0, 5.0, 2))), np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))
         pair = Pair(groove_of_table_3_6(mu=mu), theta, oversize=-clearance, force=(force,))
         pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
-        r = solve_pair(pair)
+        r = solve_pair_of_screw_balls(pair)
         assert r.converged
-        assert coupling == "none" or max(out_of_balance(pair, s) for s in (r.free, r.touching)) < 1e-8
+        assert coupling == "none" or max(out_of_balance(pair, s) for s in (r.apart, r.touching)) < 1e-8
         assert r.touching.motion.input_power == pytest.approx(r.touching.motion.loss, rel=1e-8)
         assert r.force >= 0.0
-        if abs(r.closing) > 1e-4:
-            assert (r.force > 0.0) == (r.closing > 0.0)
+        if abs(r.approach_speed_when_apart) > 1e-4:
+            assert (r.force > 0.0) == (r.approach_speed_when_apart > 0.0)
 
 
 def test_a_floating_ball_may_wedge_itself() -> None:
@@ -103,8 +107,8 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     load of the first. Both states are in balance.
     """
     pair = replace(screw_pair_as_printed(np.radians(2.0)), oversize=-1e-6, force=(0.01,))
-    floats = solve_pair(pair).free
-    load = floats.load.force.sum(axis=1)
+    floats = solve_pair_of_screw_balls(pair).apart
+    load = floats.loads_with_friction.force.sum(axis=1)
     assert load[1] < 1e-9 * load[0]
     found, rng, cell = [], np.random.default_rng(1), pair.cell()
     for _ in range(40):

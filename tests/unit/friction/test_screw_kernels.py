@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.lin.evidence.source_cases import screw_pair_as_printed, screw_pair_with_inferred_oversize
-from rollbench.lowfi.friction.screw.chain import Chain, solve_loads_and_motion, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_loads_and_motion, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads, with_fixed_screw
 
 TWO = np.radians(2.0)
@@ -32,7 +32,7 @@ def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
     cell = make(TWO).cell()
     load = solve_screw_contact_loads(cell)
-    chain = Chain(cell.groove, load.force, cell.groove.normals(load.angle), SLACK)
+    chain = ScrewBallChain(cell.groove, load.force, cell.groove.normals(load.angle), SLACK)
     fast, slow = solve_motion_of_chain(chain), solve_motion_of_chain(chain, fast=False)
     assert fast.converged
     assert slow.converged
@@ -40,7 +40,7 @@ def test_both_engines_move_alike(make) -> None:
     assert fast.q == pytest.approx(slow.q, rel=1e-9)
     assert fast.ball_force == pytest.approx(slow.ball_force, rel=1e-9)
     assert fast.wrench == pytest.approx(slow.wrench, rel=1e-9, abs=1e-9)
-    assert fast.ball_push == pytest.approx(slow.ball_push, rel=1e-9, abs=1e-12)
+    assert fast.neighbour_forces == pytest.approx(slow.neighbour_forces, rel=1e-9, abs=1e-12)
     assert fast.loss == pytest.approx(slow.loss, rel=1e-11)
 
 
@@ -48,9 +48,11 @@ def test_both_engines_solve_the_joint_system_alike() -> None:
     cell = screw_pair_as_printed(TWO).cell()
     load = solve_screw_contact_loads(cell)
     held = with_fixed_screw(cell, load)
-    fast, slow = (solve_loads_and_motion(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))
-    assert fast.done
-    assert slow.done
-    assert fast.push == pytest.approx(slow.push, rel=1e-9, abs=1e-12)
-    assert fast.ball == pytest.approx(slow.ball, rel=1e-9, abs=1e-15)
+    fast, slow = (
+        solve_loads_and_motion(held, SLACK, (load.ball_displacements, np.zeros(0)), fast=f) for f in (True, False)
+    )
+    assert fast.reached_full_friction
+    assert slow.reached_full_friction
+    assert fast.ball_friction_forces == pytest.approx(slow.ball_friction_forces, rel=1e-9, abs=1e-12)
+    assert fast.ball_displacements == pytest.approx(slow.ball_displacements, rel=1e-9, abs=1e-15)
     assert fast.ball_force == pytest.approx(slow.ball_force, rel=1e-8)

@@ -13,7 +13,7 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     screw_pair_with_inferred_oversize,
 )
 from rollbench.lowfi.friction.contact.laws import dissipated_power
-from rollbench.lowfi.friction.screw.chain import BalanceSearch, Chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import BalanceSearch, ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from rollbench.lowfi.friction.screw.motion import contact_ellipses_of_screw, solve_ball_motion, solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import (
@@ -21,7 +21,7 @@ from rollbench.lowfi.friction.screw.run import (
     load_implied_by_ball_force,
     pair_sliding_speed,
     results_over_oversize_and_force,
-    solve_pair,
+    solve_pair_of_screw_balls,
 )
 
 SCREW = groove_of_table_3_6()
@@ -29,9 +29,9 @@ TWO = np.radians(2.0)
 FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
 
 
-def open_chain(screw, force, angle) -> Chain:
+def open_chain(screw, force, angle) -> ScrewBallChain:
     """Balls that touch, but for the last one and the first."""
-    return Chain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
+    return ScrewBallChain(screw, force, screw.normals(angle), np.append(np.zeros(len(force) - 1), np.inf))
 
 
 @pytest.mark.parametrize("make", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
@@ -39,31 +39,31 @@ def open_chain(screw, force, angle) -> Chain:
 def test_pair_in_equilibrium(make, coupling: str) -> None:
     """All balls with ball-to-ball force and friction; energy; complementarity."""
     pair = replace(make(TWO), coupling=coupling)
-    r = solve_pair(pair)
+    r = solve_pair_of_screw_balls(pair)
     assert r.converged
     t = r.touching
     assert t.motion.input_power == pytest.approx(t.motion.loss, rel=1e-8)
-    assert r.free.motion.input_power == pytest.approx(r.free.motion.loss, rel=1e-8)
-    assert r.closing > 0.0
+    assert r.apart.motion.input_power == pytest.approx(r.apart.motion.loss, rel=1e-8)
+    assert r.approach_speed_when_apart > 0.0
     assert t.motion.q[0, 0] == pytest.approx(t.motion.q[1, 0], rel=1e-11)
     assert r.force > 0.0
-    n, g = SCREW.normals(t.load.angle), SCREW.pair
-    w = g.first @ t.motion.q[0] - g.second @ t.motion.q[1]
+    n, g = SCREW.normals(t.loads_with_friction.angle), SCREW.pair
+    w = g.first_ball_surface_speeds @ t.motion.q[0] - g.second_ball_surface_speeds @ t.motion.q[1]
     rub = SCREW.mu * r.force * w / np.linalg.norm(w)
     for k, sign in ((0, -1.0), (1, 1.0)):
-        pushed = r.force * g.push[k] + sign * rub @ g.slide[k]
-        assert pushed == pytest.approx(t.motion.ball_push[k], rel=1e-6, abs=1e-9)
-        moment = t.motion.wrench[k, :, 3:].sum(axis=0) + np.cross(-SCREW.ball_radius * g.push[k], pushed)
+        pushed = r.force * g.force_directions[k] + sign * rub @ g.tangent_directions[k]
+        assert pushed == pytest.approx(t.motion.neighbour_forces[k], rel=1e-6, abs=1e-9)
+        moment = t.motion.wrench[k, :, 3:].sum(axis=0) + np.cross(-SCREW.ball_radius * g.force_directions[k], pushed)
         moment += np.cross(SCREW.ball_radius * n[k], t.motion.wrench[k, :, :3]).sum(axis=0)
-        assert np.abs(moment).max() < 1e-7 * SCREW.ball_radius * t.load.force.sum()
-        force = t.motion.wrench[k, :, :3].sum(axis=0) + pushed - t.load.force[k] @ n[k]
+        assert np.abs(moment).max() < 1e-7 * SCREW.ball_radius * t.loads_with_friction.force.sum()
+        force = t.motion.wrench[k, :, :3].sum(axis=0) + pushed - t.loads_with_friction.force[k] @ n[k]
         seen = force if coupling != "none" else force[[1]]
-        assert np.abs(seen).max() < 1e-7 * t.load.force.sum()
+        assert np.abs(seen).max() < 1e-7 * t.loads_with_friction.force.sum()
 
 
 def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
     """Lin 3.75 calls the force on ball 2 opposite; its radial part is not."""
-    push = SCREW.pair.push
+    push = SCREW.pair.force_directions
     assert push[0, 0] == pytest.approx(push[1, 0], rel=1e-13)
     assert push[0, 0] > 0.1
     assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)
@@ -73,14 +73,14 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
 @pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
-    one = solve_pair(screw_pair_with_inferred_oversize(TWO))
+    one = solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO))
     turned = replace(
         screw_pair_with_inferred_oversize(TWO),
         groove=replace(SCREW, nut_speed=-SCREW.nut_speed),
         theta=(TWO, 0.0),
         force=(-50.0,),
     )
-    two = solve_pair(turned)
+    two = solve_pair_of_screw_balls(turned)
     assert two.force == pytest.approx(one.force, rel=1e-9)
     assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
     loss = two.touching.motion.groove_loss[::-1][:, FLIP]
@@ -89,11 +89,11 @@ def test_swapped_balls() -> None:
 
 def test_reversed_motion_parts_the_pair() -> None:
     pair = replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
-    r = solve_pair(pair)
+    r = solve_pair_of_screw_balls(pair)
     assert r.force == 0.0
     assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
-    assert r.touching.motion.loss == pytest.approx(r.free.motion.loss, rel=1e-9)
-    same = solve_pair(replace(screw_pair_with_inferred_oversize(0.0), coupling="none"))
+    assert r.touching.motion.loss == pytest.approx(r.apart.motion.loss, rel=1e-9)
+    same = solve_pair_of_screw_balls(replace(screw_pair_with_inferred_oversize(0.0), coupling="none"))
     assert same.force == pytest.approx(0.0, abs=1e-6)
 
 
@@ -118,14 +118,14 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     r = solve_motion_of_chain(chain)
     assert np.all(r.ball_loss == 0.0)
     s, at = BalanceSearch(chain), contact_ellipses_of_screw(screw, force)
-    maps, drives = screw.maps(chain.normals)
+    maps, drives = screw.contact_kinematics(chain.normals)
 
     def seen(x):
         q = x.reshape(3, 4) * s.speed / s.units
         return (drives + np.einsum("kirj,kj->kir", maps, q)).reshape(-1, 3)
 
     def loss(x):
-        return float(np.sum(dissipated_power(at, seen(x), fast=True).value)) / r.loss
+        return float(np.sum(dissipated_power(at, seen(x), fast=True).power)) / r.loss
 
     def slope(x):
         d = dissipated_power(at, seen(x), fast=True).gradient.reshape(3, 4, 3)
@@ -146,7 +146,7 @@ def test_chains_converge(count: int, load: float) -> None:
     theta = np.radians(5.0) * np.sin(np.arange(count))
     r = solve_motion_of_chain(open_chain(SCREW, force, STATES["four"][1] + theta[:, None] * np.array(BOTH)))
     assert r.converged
-    assert r.violation < 1e-10 * SCREW.speed
+    assert r.largest_gap_violation < 1e-10 * SCREW.speed
     assert np.all(r.ball_force >= 0.0)
     rate = np.diff(r.q[:, 0])
     assert np.max(r.ball_force[:-1] * rate) < 1e-9 * SCREW.speed * load * 100.0
@@ -155,10 +155,10 @@ def test_chains_converge(count: int, load: float) -> None:
 
 @pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
 def test_friction_coefficients(mu: float) -> None:
-    r = solve_pair(replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
+    r = solve_pair_of_screw_balls(replace(screw_pair_with_inferred_oversize(TWO), groove=replace(SCREW, mu=mu)))
     assert r.converged
-    assert r.free.motion.loss == pytest.approx(
-        mu / 0.1 * solve_pair(screw_pair_with_inferred_oversize(TWO)).free.motion.loss, rel=1e-8
+    assert r.apart.motion.loss == pytest.approx(
+        mu / 0.1 * solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).apart.motion.loss, rel=1e-8
     )
     assert np.isnan(r.friction_increase) == (mu == 0.0)
 
@@ -180,8 +180,8 @@ def test_map_of_the_assumptions() -> None:
     )
     assert m.converged.all()
     assert np.all(np.diff(m.force, axis=0) > 0.0)
-    assert np.all(np.diff(m.increase, axis=0)[:, 0] < 0.0)
-    assert m.force[1, 1] == pytest.approx(solve_pair(screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9)
+    assert np.all(np.diff(m.friction_increase, axis=0)[:, 0] < 0.0)
+    assert m.force[1, 1] == pytest.approx(solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).force, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from rollbench.lowfi.friction.screw.run import (
     balls_at_instant,
     contact_angle_deviation,
     simulate_equal_steps,
-    summarise_history,
+    summarise_screw_run,
 )
 from rollbench.lowfi.friction.screw.travel import TravelHistory
 
@@ -65,7 +65,9 @@ def test_free_balls_follow_their_speeds() -> None:
     assert not r.contact.any()
     turned, loads = np.radians(np.linspace(-0.5, 0.5, 9)), np.median(r.load.reshape(-1, 4), axis=0)
     angles = run.groove.contact_angle + turned[:, None] * np.array(run.pattern)
-    speed = CubicSpline(turned, [solve_ball_motion(run.groove, loads, angle).motion.q[0] for angle in angles])
+    speed = CubicSpline(
+        turned, [solve_ball_motion(run.groove, loads, angle).motion.unknown_velocities[0] for angle in angles]
+    )
     azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
     for _ in range(run.steps - 1):
         half = azimuth + 0.5 * h * speed(contact_angle_deviation(run, azimuth))
@@ -128,9 +130,9 @@ def test_bad_input(change: dict[str, int], match: str) -> None:
 
 
 def test_summary() -> None:
-    s = summarise_history(result())
-    assert s.groups == 4
-    assert 0.0 < s.at < s.none_at
+    s = summarise_screw_run(result())
+    assert s.most_touching_groups == 4
+    assert 0.0 < s.nut_angle_of_largest_ratio < s.nut_angle_without_contact
 
 
 @pytest.mark.parametrize("coupling", ["ball", "ball and screw"])

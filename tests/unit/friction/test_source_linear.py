@@ -9,19 +9,19 @@ from rollbench.compare.cases.lin.evidence import source_cases
 from rollbench.lowfi.friction.as_source.chain import (
     balls_of_linear_bearing,
     linear_bearing_friction_law,
-    solve_chain_by_root,
     solve_linear_bearing_by_root,
     solve_linear_pair_by_root,
+    solve_motions_of_balls_by_root,
 )
 from rollbench.lowfi.friction.linear.bearing import contact_angle_deviations, loads_in_equilibrium
 from rollbench.lowfi.friction.linear.chain import (
     pair_angles_and_loads,
     prepare_linear_chain,
     solve_linear_chain,
-    solve_pair,
+    solve_pair_of_linear_balls,
 )
 
-BEARING = replace(source_cases.linear_pair_scene().bearing, mu_balls=0.08)
+BEARING = replace(source_cases.linear_ball_pair_scene().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
 
 
@@ -33,20 +33,20 @@ def state(theta, rho):
 
 @pytest.mark.parametrize("sharpness", [None, 100.0])
 def test_pair_is_ours(sharpness):
-    ours = solve_pair(BEARING, *CASE)
+    ours = solve_pair_of_linear_balls(BEARING, *CASE)
     found = solve_linear_pair_by_root(BEARING, *CASE, law=linear_bearing_friction_law(BEARING, sharpness))
     assert found.status == "exact"
-    assert found.ball_force[0] == pytest.approx(ours.force, rel=1e-9)
-    np.testing.assert_allclose(found.free[:, 0], ours.free.velocity, rtol=1e-10)
-    np.testing.assert_allclose(found.q[:, 0], ours.touching.velocity, rtol=1e-10)
-    np.testing.assert_allclose(found.q[:, 1:], ours.touching.rotation, atol=1e-8)
+    assert found.ball_force[0] == pytest.approx(ours.ball_to_ball_force, rel=1e-9)
+    np.testing.assert_allclose(found.motions_without_ball_forces[:, 0], ours.apart.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.ball_motions[:, 0], ours.touching.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.ball_motions[:, 1:], ours.touching.rotation, atol=1e-8)
     assert found.loss == pytest.approx(ours.touching.loss, rel=1e-9)
     np.testing.assert_allclose(found.groove_loss, ours.touching.groove_loss, rtol=1e-8)
 
 
 def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
     """Friction lacks the part 1 - tanh(k_S / 2) about the reference spin: so does the force, within a small factor."""
-    ours = solve_pair(BEARING, *CASE).force
+    ours = solve_pair_of_linear_balls(BEARING, *CASE).ball_to_ball_force
     for k in (6.0, 9.0, 12.0, 15.0):
         lacking = 1.0 - np.tanh(0.5 * k)
         off = abs(
@@ -67,18 +67,18 @@ def test_chain_is_ours_where_the_rule_for_contact_holds():
     assert np.all(ours.ball_force > 0.0)
     np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
     np.testing.assert_allclose(found.ball_loss, ours.ball_loss, rtol=1e-8)
-    assert found.left < 1e-10
+    assert found.largest_residual < 1e-10
 
 
 def test_balls_that_part_or_are_out_of_reach_stay_apart():
     angles, loads = state([2.0, 2.0], [0.6, -0.6])
     parting = solve_linear_bearing_by_root(BEARING, angles, loads)
     assert parting.status == "exact"
-    assert parting.q[1, 0] > parting.q[0, 0]
+    assert parting.ball_motions[1, 0] > parting.ball_motions[0, 0]
     assert parting.ball_force[0] == 0.0
     far = solve_linear_bearing_by_root(BEARING, angles[::-1], loads[::-1], False)
     assert far.ball_force[0] == 0.0
-    np.testing.assert_array_equal(far.q, far.free)
+    np.testing.assert_array_equal(far.ball_motions, far.motions_without_ball_forces)
 
 
 def test_rule_for_contact_lets_balls_overlap():
@@ -88,8 +88,8 @@ def test_rule_for_contact_lets_balls_overlap():
         solve_linear_chain(prepare_linear_chain(BEARING, angles, loads)),
         solve_linear_bearing_by_root(BEARING, angles, loads),
     )
-    assert found.free[0, 0] < found.free[1, 0]
-    assert found.q[0, 0] > found.q[1, 0] * (1.0 + 1e-4)
+    assert found.motions_without_ball_forces[0, 0] < found.motions_without_ball_forces[1, 0]
+    assert found.ball_motions[0, 0] > found.ball_motions[1, 0] * (1.0 + 1e-4)
     assert found.status == "overlapping"
     assert found.ball_force[0] == 0.0
     assert ours.ball_force[0] > 0.1
@@ -104,10 +104,14 @@ def test_failure_is_a_status():
 
 def test_start_does_not_change_a_root():
     balls, reach = balls_of_linear_bearing(BEARING, *state([2.0, 2.0], [-0.6, 0.6])), np.array([True])
-    first = solve_chain_by_root(balls, linear_bearing_friction_law(BEARING), reach)
-    close = first.q, first.ball_force
-    for start, touching in ((first.free, None), (None, close), (first.free, close)):
-        again = solve_chain_by_root(balls, linear_bearing_friction_law(BEARING), reach, start, touching)
+    first = solve_motions_of_balls_by_root(balls, linear_bearing_friction_law(BEARING), reach)
+    close = first.ball_motions, first.ball_force
+    for start, touching in (
+        (first.motions_without_ball_forces, None),
+        (None, close),
+        (first.motions_without_ball_forces, close),
+    ):
+        again = solve_motions_of_balls_by_root(balls, linear_bearing_friction_law(BEARING), reach, start, touching)
         assert again.status == "exact"
         assert again.calls < first.calls - 3
         np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)

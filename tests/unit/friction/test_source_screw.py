@@ -20,7 +20,7 @@ from rollbench.lowfi.friction.as_source.screw import (
     starting_positions,
 )
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law, solve_screw_contact_loads
-from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair
+from rollbench.lowfi.friction.screw.run import Run, simulate_equal_steps, solve_pair_of_screw_balls
 
 TWO = np.radians(2.0)
 
@@ -52,24 +52,26 @@ def test_loads_are_ours(pair):
 def test_loads_that_are_not_found_are_not_converged():
     cell = screw_pair_as_printed(TWO).cell()
     away = starting_positions(cell)
-    lost = BallPositions(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
+    lost = BallPositions(
+        away.ball_displacements, away.contact_angles, -away.screw_displacements
+    )  # off the flanks: nothing has stiffness
     assert not solve_contact_loads_by_root(cell, lost).converged
 
 
 @pytest.mark.parametrize("theta", [1.0, 3.0])
 def test_pair_at_given_loads_is_ours(theta):
     pair = screw_pair_with_inferred_oversize(np.radians(theta))
-    ours, found = solve_pair(pair), solve_screw_pair_by_root(pair)
+    ours, found = solve_pair_of_screw_balls(pair), solve_screw_pair_by_root(pair)
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
-    np.testing.assert_allclose(found.motion.free, ours.free.motion.q, atol=1e-8)
-    np.testing.assert_allclose(found.motion.q, ours.touching.motion.q, atol=1e-8)
+    np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-8)
+    np.testing.assert_allclose(found.motion.ball_motions, ours.touching.motion.q, atol=1e-8)
     assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-8)
 
 
 def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
     """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
-    ours = solve_pair(screw_pair_with_inferred_oversize(TWO)).force
+    ours = solve_pair_of_screw_balls(screw_pair_with_inferred_oversize(TWO)).force
     for k in (1.0, 1.5, 2.0, 3.0):
         law, lacking = lin_sigmoid_law(groove_of_table_3_6(), k), 1.0 - np.tanh(2.0 * k)
         off = abs(solve_screw_pair_by_root(screw_pair_with_inferred_oversize(TWO), law).motion.ball_force[0] / ours - 1.0)
@@ -80,21 +82,21 @@ def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
 def test_coupled_pair_has_ours_as_a_root(theta):
     """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
     pair = screw_pair_as_printed(np.radians(theta))
-    ours = solve_pair(pair)
+    ours = solve_pair_of_screw_balls(pair)
     found = solve_screw_pair_by_root(pair, None, lin_state_of_result(ours, False), lin_state_of_result(ours, True))
     assert found.motion.status == "exact"
     assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
-    np.testing.assert_allclose(found.force, ours.touching.load.force, atol=1e-6)
-    np.testing.assert_allclose(found.motion.free, ours.free.motion.q, atol=1e-6)
+    np.testing.assert_allclose(found.force, ours.touching.loads_with_friction.force, atol=1e-6)
+    np.testing.assert_allclose(found.motion.motions_without_ball_forces, ours.apart.motion.q, atol=1e-6)
     assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-7)
-    assert np.abs(found.force - found.load.force).max() > 1.0
+    assert np.abs(found.force - found.frictionless_loads.force).max() > 1.0
 
 
 def test_run_is_ours_until_balls_meet_and_near_it_after():
     """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
     run = few_balls(steps=24)
     ours, found = simulate_equal_steps(run), simulate_by_root(run)
-    assert found.failures == 0
+    assert found.failed_step_count == 0
     meets = int(np.argmax(ours.contact.any(axis=1)))
     assert 5 < meets < 22
     np.testing.assert_allclose(found.omega[:meets], ours.omega[:meets], rtol=1e-10)

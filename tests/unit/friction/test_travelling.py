@@ -8,8 +8,8 @@ from rollbench.lowfi.compliance.between import contact_points_and_axes
 from rollbench.lowfi.compliance.bodies import compliance_between_contacts
 from rollbench.lowfi.compliance.parts import REFINED
 from rollbench.lowfi.friction.whole.run import APART, WINDOW, TravellingCompliance
-from rollbench.lowfi.statics.nominal import elastic_loads
-from rollbench.meshes.errors import draw_specimen
+from rollbench.lowfi.statics.nominal import contact_loads_with_elastic_bodies
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, ball_layout_at_positions, lead_per_radian
 
 SCENE = small_screw(6, 1.2, force=(0.0, 0.0, 400.0))
@@ -56,16 +56,16 @@ def test_a_window_ends_before_a_ball_passes_the_nuts_face():
     travelling = TravellingCompliance(WINDOW)
     travelling(SCENE, place, False, REFINED, (0, 1))
     ((window,),) = travelling.windows.values()
-    assert 0.0 < window.length < 0.3 * WINDOW
+    assert 0.0 < window.travel_angle < 0.3 * WINDOW
 
 
 def test_loads_of_balls_that_travel_are_those_of_balls_that_stay():
     scene = small_screw(3, 0.7, force=(0.0, 0.0, 60.0))
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout)
+    drawn = draw_geometry_with_errors(scene, layout)
     still, moving = (
-        elastic_loads(scene, drawn, layout),
-        elastic_loads(scene, drawn, layout, whole=TravellingCompliance(WINDOW)),
+        contact_loads_with_elastic_bodies(scene, drawn, layout),
+        contact_loads_with_elastic_bodies(scene, drawn, layout, whole=TravellingCompliance(WINDOW)),
     )
     assert moving.converged
     assert np.allclose(moving.load, still.load, rtol=0.0, atol=1e-12 * still.load.max())

@@ -14,8 +14,8 @@ from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.motion import solve_ball_motion
 from rollbench.lowfi.friction.whole.contacts import contacts_of_result
 from rollbench.lowfi.friction.whole.losses import CAUSES, ball_friction
-from rollbench.lowfi.statics.contacts import drawn_hertz
-from rollbench.meshes.errors import draw_specimen
+from rollbench.lowfi.statics.contacts import hertz_with_errors
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Motion, Support
 
@@ -38,16 +38,16 @@ def test_ring_under_axial_load_spins_at_one_ring_only():
     """Two-point contact: both ends of the ball roll, and all spin is where it costs less, (3/8) mu F a E(e) per ball."""
     scene = small_screw(9, 8.0 / 9.0, lead=0.0, force=AXIAL)
     found = state(scene)
-    at, rows = found.at, []
+    at, rows = found.contacts, []
     for i in range(9):
         loaded = np.flatnonzero(at.force[i] > 0.0)
         a, b = at.a[i, loaded], at.b[i, loaded]
         moment = 0.375 * 0.1 * at.force[i, loaded] * a * ellipe(1.0 - (b / a) ** 2)
         rows.append(moment.min() * np.sin(at.angle[i, loaded[0]]))
-    assert found.torque.friction == pytest.approx(sum(rows), rel=1e-9)
+    assert found.friction_sums.friction_torque == pytest.approx(sum(rows), rel=1e-9)
     spin = CAUSES.index("spin")
-    assert found.balls.loss[..., spin].sum() == pytest.approx(found.torque.power, rel=1e-9)
-    assert found.balls.rest.sum() == 9
+    assert found.ball_friction.loss[..., spin].sum() == pytest.approx(found.friction_sums.power, rel=1e-9)
+    assert found.ball_friction.sticking_contacts.sum() == 9
 
 
 @pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
@@ -56,9 +56,9 @@ def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
     expected = solve_bearing(case, angle)
     scene = ring_at(angle, case.force, case.groove, case.clearance, case.count)
     found = state(scene, motion=Motion(20.0 * np.pi))
-    assert np.allclose(found.at.force, expected.load.force, rtol=0.0, atol=1e-9 * expected.load.force.max())
-    assert found.torque.friction == pytest.approx(expected.torque, rel=1e-10)
-    assert found.torque.input_power == pytest.approx(expected.input_power, rel=1e-10)
+    assert np.allclose(found.contacts.force, expected.load.force, rtol=0.0, atol=1e-9 * expected.load.force.max())
+    assert found.friction_sums.friction_torque == pytest.approx(expected.torque, rel=1e-10)
+    assert found.friction_sums.input_power == pytest.approx(expected.input_power, rel=1e-10)
 
 
 @pytest.mark.parametrize("lead", [20e-3, -20e-3])
@@ -67,8 +67,10 @@ def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
     groove, angle = replace(HELIX, lead=lead), HELIX.contact_angle + TURNED
     expected, at = solve_ball_motion(groove, np.array(force), angle, fast=False), single(force, angle, groove)
     found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
-    assert found.power == pytest.approx(expected.motion.loss, rel=1e-10)
-    assert np.allclose([found.orbit[0], *found.rotation[0]], expected.motion.q, rtol=1e-10, atol=1e-10)
+    assert found.total_power_lost == pytest.approx(expected.motion.loss, rel=1e-10)
+    assert np.allclose(
+        [found.orbital_speed[0], *found.rotation[0]], expected.motion.unknown_velocities, rtol=1e-10, atol=1e-10
+    )
     assert np.allclose(found.wrench(at.normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
 
 
@@ -87,7 +89,7 @@ def integral(found, at, i, s, mu):
 def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
     at = replace(single(FOUR, np.full(4, HELIX.contact_angle), HELIX), across=np.full((1, 4), across))
     found = ball_friction(scene_of(HELIX), at, MU, Motion(7.0, "nut"))
-    assert not found.rest.any()
+    assert not found.sticking_contacts.any()
     assert at.b.max() < 0.5 * at.a.min()
     for s in range(4):
         assert found.loss[0, s].sum() == pytest.approx(integral(found, at, 0, s, 0.1), rel=1e-4)
@@ -96,7 +98,7 @@ def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
 def test_flat_grooves_have_their_long_axis_along_the_path():
     base = small_screw(3, 0.7, force=(0.0, 0.0, 60.0), screw="rigid", hertz="error-free")
     nut, screw = (replace(part, groove_radius=r) for part, r in ((base.nut, 80.0 * 2.778e-3), (base.screw, 2.95e-3)))
-    at = state(replace(base, nut=nut, screw=screw)).at
+    at = state(replace(base, nut=nut, screw=screw)).contacts
     assert at.across[:, :2].all()
     assert not at.across[:, 2:].any()
 
@@ -111,11 +113,11 @@ def test_ellipses_are_those_that_the_scene_s_ingredients_name():
         at = contacts_of_result(scene, solved(scene))
         cube = np.cbrt(at.force)
         found[kind] = at.a / cube, at.b / cube
-    exact, printed = groove.constants, replace(groove, hertz="as printed").constants
+    exact, printed = groove.contact_hertz_constants, replace(groove, hertz="as printed").contact_hertz_constants
     for kind, h in (("error-free", exact), ("as printed", printed)):
         assert np.allclose(found[kind][0], h.C_a, rtol=1e-12)
         assert np.allclose(found[kind][1], h.C_b, rtol=1e-12)
-    drawn = drawn_hertz(base, draw_specimen(base, ball_layout(base)))
+    drawn = hertz_with_errors(base, draw_geometry_with_errors(base, ball_layout(base)))
     assert np.allclose(found["nominal"][0], drawn.C_a, rtol=1e-12)
     growth = found["nominal"][0] / found["error-free"][0]
     assert growth.min() > 1.001, "larger balls conform more closely to the groove"
@@ -127,5 +129,5 @@ def test_contacts_take_the_specimen_that_was_solved():
     scene = replace(base, errors=replace(base.errors, balls=replace(base.errors.balls, sigma=0.5e-6)))
     result = solved(scene, member=3)
     at = contacts_of_result(scene, result, 3)
-    assert np.array_equal(at.ball_radius, draw_specimen(scene, ball_layout(scene), 3).ball_radius)
+    assert np.array_equal(at.ball_radius, draw_geometry_with_errors(scene, ball_layout(scene), 3).ball_radii)
     assert not np.array_equal(at.ball_radius, contacts_of_result(scene, result, 0).ball_radius)

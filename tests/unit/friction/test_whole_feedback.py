@@ -27,7 +27,7 @@ def coupled(mu, load):
     total = found.wrench(at.normals)
     total[..., :3] -= at.force[..., None] * at.normals
     axial, moment = axial_forces_and_moments(at, total)
-    return found.power, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
+    return found.total_power_lost, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
 
 
 def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_without():
@@ -41,8 +41,8 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
         )
         at = single(bare.load.force[0], bare.load.angle[0], groove_of_table_3_6())
         first = sum_friction_over_contacts(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
-        assert first.load == pytest.approx(load, rel=1e-8)
-        left.append(abs(first.on_screw - moment))
+        assert first.axial_load == pytest.approx(load, rel=1e-8)
+        left.append(abs(first.driving_torque_on_screw - moment))
     assert left[0] > 0.0
     assert 3.0 < left[0] / left[1] < 5.0, "the error falls with the square of the coefficient"
     assert 3.0 < left[1] / left[2] < 5.0
@@ -54,7 +54,9 @@ def fed(groove, load, oversize, mu, drive):
     at, scene = single(bare.load.force[0], bare.load.angle[0], groove), scene_of(groove)
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
     centre = -groove.reach * turned.normals[..., [0, 2]]
-    place = positions_in_grooves(at, groove.constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre)
+    place = positions_in_grooves(
+        at, groove.contact_hertz_constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre
+    )
     return scene, solve_friction_equilibrium(scene, at, place, Friction(mu, mu), drive)
 
 
@@ -66,12 +68,12 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     expected = coupled_ball(ball_cell(groove, np.zeros(4), oversize, "z", np.array([load])), "ball and screw")
     assert expected.converged
     scene, found = fed(groove, load, oversize, mu, Motion(5.0))
-    assert not found.failed.any()
-    assert found.change <= 1e-5
-    assert np.allclose(found.at.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
-    assert found.friction.power == pytest.approx(expected.motion.motion.loss, rel=2e-4)
-    t = sum_friction_over_contacts(scene, found.at, found.friction, Motion(5.0), coupled=True)
-    assert t.load == pytest.approx(load, rel=1e-5)
+    assert not found.failed_balls.any()
+    assert found.largest_imbalance_ratio <= 1e-5
+    assert np.allclose(found.contacts.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
+    assert found.friction.total_power_lost == pytest.approx(expected.motion.motion.loss, rel=2e-4)
+    t = sum_friction_over_contacts(scene, found.contacts, found.friction, Motion(5.0), coupled=True)
+    assert t.axial_load == pytest.approx(load, rel=1e-5)
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
 
 
@@ -81,15 +83,21 @@ COUPLED = Friction(0.1, 0.1, (), True)
 @pytest.mark.parametrize("name", [n for n in SCENES if n != "ring"])
 def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(name):
     scene = SCENES[name]()
-    found, t = state(scene, COUPLED), state(scene, COUPLED).torque
-    assert found.coupled
-    assert not found.unsettled
-    assert t.load == pytest.approx(scene.loads[0].force[2], rel=1e-5)
+    found, t = state(scene, COUPLED), state(scene, COUPLED).friction_sums
+    assert found.friction_changes_loads
+    assert not found.unsettled_balls
+    assert t.axial_load == pytest.approx(scene.loads[0].force[2], rel=1e-5)
     assert t.input_power == pytest.approx(t.power, rel=1e-8)
-    assert found.bare.friction == pytest.approx(state(scene).torque.friction, rel=1e-9)
+    assert found.sums_without_feedback.friction_torque == pytest.approx(
+        state(scene).friction_sums.friction_torque, rel=1e-9
+    )
     four = name in ("four-point", "left hand", "two starts")
-    assert 0.95 < t.friction / found.bare.friction < 1.2 if four else t.friction > 1.3 * found.bare.friction
-    assert t.forward != t.backward
+    assert (
+        0.95 < t.friction_torque / found.sums_without_feedback.friction_torque < 1.2
+        if four
+        else t.friction_torque > 1.3 * found.sums_without_feedback.friction_torque
+    )
+    assert t.forward_torque != t.backward_torque
 
 
 def past_the_apex():
@@ -99,20 +107,20 @@ def past_the_apex():
 
 def test_feedback_keeps_the_load_of_contacts_past_the_apex():
     found = state(past_the_apex(), COUPLED)
-    assert np.any((found.at.angle < -0.05) & (found.at.force > 0.0))
-    assert not found.unsettled
-    assert found.torque.load == pytest.approx(300.0, rel=1e-5)
+    assert np.any((found.contacts.angle < -0.05) & (found.contacts.force > 0.0))
+    assert not found.unsettled_balls
+    assert found.friction_sums.axial_load == pytest.approx(300.0, rel=1e-5)
 
 
 def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
-    one, other = state(scene, COUPLED).torque, state(mirrored(scene), COUPLED, Motion(-10.0)).torque
-    back = state(scene, COUPLED, Motion(-10.0)).torque
-    assert other.friction == pytest.approx(one.friction, rel=1e-6)
+    one, other = state(scene, COUPLED).friction_sums, state(mirrored(scene), COUPLED, Motion(-10.0)).friction_sums
+    back = state(scene, COUPLED, Motion(-10.0)).friction_sums
+    assert other.friction_torque == pytest.approx(one.friction_torque, rel=1e-6)
     assert (back.power, back.reverse_power) == pytest.approx((one.reverse_power, one.power), rel=1e-9)
-    assert (back.forward, back.backward) == pytest.approx((one.forward, one.backward), rel=1e-6)
-    assert not state(SCENES["ring"](), COUPLED).coupled
-    assert not state(scene, Friction(0.0, 0.0, (), True)).coupled
+    assert (back.forward_torque, back.backward_torque) == pytest.approx((one.forward_torque, one.backward_torque), rel=1e-6)
+    assert not state(SCENES["ring"](), COUPLED).friction_changes_loads
+    assert not state(scene, Friction(0.0, 0.0, (), True)).friction_changes_loads
 
 
 @pytest.mark.slow

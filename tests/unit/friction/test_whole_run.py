@@ -12,16 +12,16 @@ from tests.helpers import mirrored, small_screw, solved
 from tests.whole_screws import contacts_in, scene_of
 
 from rollbench.compare.cases.lin.evidence.source_cases import simulation_inputs_of_section_3_4_4
-from rollbench.lowfi.friction.screw.chain import Chain, solve_motion_of_chain
+from rollbench.lowfi.friction.screw.chain import ScrewBallChain, solve_motion_of_chain
 from rollbench.lowfi.friction.screw.motion import solve_screw_contact_loads
 from rollbench.lowfi.friction.screw.run import balls_at_instant
 from rollbench.lowfi.friction.screw.travel import simulate
 from rollbench.lowfi.friction.whole.circuit import balls_in_circuits, grooves_of_scene, solve_motion_on_track
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.nominal import beam_loads, elastic_loads
+from rollbench.lowfi.statics.nominal import contact_loads_by_beam_model, contact_loads_with_elastic_bodies
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import draw_errors, draw_specimen
+from rollbench.meshes.errors import draw_errors, draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_per_radian
 from rollbench.meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Load, Motion, SideErrors
 
@@ -86,15 +86,15 @@ def test_a_tiny_run_is_the_state_at_the_instant():
     scene = replace(sparse(), motion=TURN)
     found = friction_state(scene, solved(scene), MU, TURN)
     h = simulate(setting(scene), 1e-7, 2)
-    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-6)
-    assert h.omega[0] == pytest.approx(found.balls.orbit, rel=1e-6)
+    assert h.torque[0] == pytest.approx(found.friction_sums.friction_torque, rel=1e-6)
+    assert h.omega[0] == pytest.approx(found.ball_friction.orbital_speed, rel=1e-6)
 
 
 def test_friction_that_moves_balls_is_that_of_the_instant():
     scene, friction = replace(small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid"), motion=TURN), Friction(0.1, 0.1)
     found = friction_state(scene, solved(scene), friction, TURN)
     h = simulate(setting(scene, friction), 1e-7, 2)
-    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-5)
+    assert h.torque[0] == pytest.approx(found.friction_sums.friction_torque, rel=1e-5)
     assert h.torque[0] > 1.2 * simulate(setting(scene, MU), 1e-7, 2).torque[0], "two-point contact"
 
 
@@ -170,7 +170,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
         solve_screw_contact_loads(balls_at_instant(case, azimuth, np.ones(37, dtype=bool), 0.0)),
         np.append(np.full(36, clearance), np.inf),
     )
-    expected = solve_motion_of_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
+    expected = solve_motion_of_chain(ScrewBallChain(g, loads.force, g.normals(loads.angle), slack))
     scene, at = scene_of(g, azimuth), contacts_in(g, loads.force, loads.angle, azimuth)
     friction, drive = Friction(g.mu, g.mu, feedback=False), Motion(g.nut_speed, "nut")
     found = solve_motion_on_track(scene, at, slack, friction, drive, grooves_of_scene(scene, friction, drive))
@@ -186,17 +186,17 @@ def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
     radius, pair = balls.radius, balls.grooves.pair
     on_track = balls.tracks[0].balls
     for k in range(on_track.start, on_track.stop - 1):
-        phi = balls.spacing[k]
+        phi = balls.touching_spacing[k]
         chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.ratio * phi)
         assert chord == pytest.approx(radius[k] + radius[k + 1], abs=2e-9)
-    assert np.ptp(balls.spacing) * pair.closing > 1e-6
+    assert np.ptp(balls.touching_spacing) * pair.closing_speed_factor > 1e-6
 
 
 def test_loads_again_are_those_of_a_single_solution():
     scene = small_screw(6, 0.8, force=(20.0, 0.0, 400.0), oversize=2e-6)
     layout = ball_layout(scene)
-    for loads, once in ((beam_loads, solve_static), (elastic_loads, solve_elastic)):
-        found, expected = loads(scene, draw_specimen(scene, layout), layout), once(scene)
+    for loads, once in ((contact_loads_by_beam_model, solve_static), (contact_loads_with_elastic_bodies, solve_elastic)):
+        found, expected = loads(scene, draw_geometry_with_errors(scene, layout), layout), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
 
@@ -204,7 +204,7 @@ def test_loads_again_are_those_of_a_single_solution():
 def test_what_is_refused():
     scene = crowded()
     drawn = draw_errors(scene)
-    large = replace(drawn, ball_radius=drawn.ball_radius + 20e-6)
+    large = replace(drawn, ball_radius=drawn.ball_radii + 20e-6)
     with pytest.raises(ValueError, match="overlap"):
         balls_in_circuits(scene, MU, TURN, large)
 

@@ -20,31 +20,41 @@ def test_power_in_is_dissipation(name, friction):
     scene = SCENES[name]()
     for motion in (TURN, Motion(-3.0, "nut")):
         found = state(scene, friction, motion)
-        t = found.torque
-        assert found.balls.converged
+        t = found.friction_sums
+        assert found.ball_friction.converged
         assert t.power > 0.0
-        assert t.load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
+        assert t.axial_load == pytest.approx(scene.loads[0].force[2], rel=1e-7)
         assert t.input_power == pytest.approx(t.power, rel=1e-8), "moments in space times speed are the losses"
-        assert -t.helical[1] == pytest.approx(t.helical[0], rel=1e-8), "what the screw drives, the nut resists"
-        assert found.balls.loss.min() >= -1e-12 * t.power, "no contact and no cause gains power"
-        assert (t.on_screw + t.load * t.ratio) * t.speed == pytest.approx(t.power, rel=1e-8)
+        assert -t.helical_work_per_radian[1] == pytest.approx(t.helical_work_per_radian[0], rel=1e-8), (
+            "what the screw drives, the nut resists"
+        )
+        assert found.ball_friction.loss.min() >= -1e-12 * t.power, "no contact and no cause gains power"
+        assert (t.driving_torque_on_screw + t.axial_load * t.advance_per_radian) * t.speed == pytest.approx(
+            t.power, rel=1e-8
+        )
 
 
 def test_forward_and_backward_frame_the_ideal_torque():
-    t = state(small_screw(force=AXIAL)).torque
+    t = state(small_screw(force=AXIAL)).friction_sums
     ideal = 800.0 * 20e-3 / (2.0 * np.pi)
-    assert (t.forward - t.friction, t.backward + t.friction) == pytest.approx((ideal, ideal), rel=1e-9)
-    assert t.efficiency == pytest.approx((ideal / t.forward, 2.0 - t.forward / ideal), rel=1e-12)
+    assert (t.forward_torque - t.friction_torque, t.backward_torque + t.friction_torque) == pytest.approx(
+        (ideal, ideal), rel=1e-9
+    )
+    assert t.efficiency == pytest.approx((ideal / t.forward_torque, 2.0 - t.forward_torque / ideal), rel=1e-12)
     assert not t.is_self_locking
-    assert t.on_screw == pytest.approx(-t.backward, rel=1e-12), "+z load, right hand, turning forward: the load drives"
-    assert state(small_screw(force=AXIAL), motion=Motion(-10.0)).torque.on_screw == pytest.approx(-t.forward, rel=1e-12)
+    assert t.driving_torque_on_screw == pytest.approx(-t.backward_torque, rel=1e-12), (
+        "+z load, right hand, turning forward: the load drives"
+    )
+    assert state(small_screw(force=AXIAL), motion=Motion(-10.0)).friction_sums.driving_torque_on_screw == pytest.approx(
+        -t.forward_torque, rel=1e-12
+    )
 
 
 def test_small_lead_and_preload_lock_the_screw():
     scene = small_screw(6, 0.9, lead=8e-3, oversize=8e-6, force=(0.0, 0.0, 30.0))
-    t = state(scene, Friction(0.2, 0.2, feedback=False)).torque
+    t = state(scene, Friction(0.2, 0.2, feedback=False)).friction_sums
     assert t.is_self_locking
-    assert t.backward < 0.0
+    assert t.backward_torque < 0.0
     assert t.efficiency[0] < 0.5
 
 
@@ -52,48 +62,54 @@ def test_motion_backwards_of_the_nut_and_a_thousand_times_faster():
     """Reversed it loses the same; a turning nut is a turning screw in another frame; speed scales losses, not torques."""
     there, *others = (state(two_starts(), motion=m) for m in (TURN, Motion(-10.0), Motion(-10.0, "nut"), Motion(1e4)))
     back, nut, quick = others
-    assert [x.torque.friction for x in (back, quick)] == pytest.approx([there.torque.friction] * 2, rel=1e-9)
-    assert np.allclose(back.balls.orbit, -there.balls.orbit, rtol=1e-9)
-    assert np.allclose(back.balls.force, -there.balls.force, atol=1e-6)
-    assert np.allclose(back.balls.loss, there.balls.loss, rtol=1e-6, atol=1e-9 * there.torque.power)
-    assert nut.torque.on_screw == pytest.approx(there.torque.on_screw, rel=1e-9)
-    assert np.allclose(nut.balls.orbit, there.balls.orbit - 10.0, rtol=1e-9)
-    assert quick.torque.power == pytest.approx(1e3 * there.torque.power, rel=1e-9)
+    assert [x.friction_sums.friction_torque for x in (back, quick)] == pytest.approx(
+        [there.friction_sums.friction_torque] * 2, rel=1e-9
+    )
+    assert np.allclose(back.ball_friction.orbital_speed, -there.ball_friction.orbital_speed, rtol=1e-9)
+    assert np.allclose(back.ball_friction.force, -there.ball_friction.force, atol=1e-6)
+    assert np.allclose(back.ball_friction.loss, there.ball_friction.loss, rtol=1e-6, atol=1e-9 * there.friction_sums.power)
+    assert nut.friction_sums.driving_torque_on_screw == pytest.approx(there.friction_sums.driving_torque_on_screw, rel=1e-9)
+    assert np.allclose(nut.ball_friction.orbital_speed, there.ball_friction.orbital_speed - 10.0, rtol=1e-9)
+    assert quick.friction_sums.power == pytest.approx(1e3 * there.friction_sums.power, rel=1e-9)
 
 
 @pytest.mark.parametrize("oversize", [0.0, 4e-6])
 def test_left_hand_is_the_mirrored_right_hand(oversize):
     scene = small_screw(7, 0.9, oversize=oversize, force=(60.0, 25.0, 500.0), moment=(0.5, 1.0, 0.0))
     one, other = state(scene), state(mirrored(scene), motion=Motion(-10.0))
-    assert other.torque.friction == pytest.approx(one.torque.friction, rel=1e-9)
-    assert other.torque.on_screw == pytest.approx(-one.torque.on_screw, rel=1e-9)
-    assert other.torque.load == pytest.approx(one.torque.load, rel=1e-9)
-    assert np.allclose(other.balls.orbit, -one.balls.orbit, rtol=1e-8)
-    assert np.allclose(other.balls.loss, one.balls.loss, rtol=1e-6, atol=1e-8 * one.torque.power)
+    assert other.friction_sums.friction_torque == pytest.approx(one.friction_sums.friction_torque, rel=1e-9)
+    assert other.friction_sums.driving_torque_on_screw == pytest.approx(
+        -one.friction_sums.driving_torque_on_screw, rel=1e-9
+    )
+    assert other.friction_sums.axial_load == pytest.approx(one.friction_sums.axial_load, rel=1e-9)
+    assert np.allclose(other.ball_friction.orbital_speed, -one.ball_friction.orbital_speed, rtol=1e-8)
+    assert np.allclose(other.ball_friction.loss, one.ball_friction.loss, rtol=1e-6, atol=1e-8 * one.friction_sums.power)
 
 
 def test_without_friction_of_one_or_both_grooves_the_load_does_all_the_work():
     coefficients = ((0.0, 0.0), (0.05, 0.05), (0.0, 0.2))
     free, half, one = (state(two_starts(), Friction(*c, feedback=False)) for c in coefficients)
-    t, rough = free.torque, state(two_starts())
-    assert t.power == t.friction == 0.0
+    t, rough = free.friction_sums, state(two_starts())
+    assert t.power == t.friction_torque == 0.0
     assert t.efficiency == (1.0, 1.0)
-    assert t.on_screw == pytest.approx(-t.ratio * t.load, rel=1e-12)
-    assert np.allclose(free.balls.orbit, rough.balls.orbit, rtol=1e-12), "the limit of small equal coefficients"
-    assert half.torque.friction == pytest.approx(0.5 * rough.torque.friction, rel=1e-12)
-    assert one.torque.power == pytest.approx(0.0, abs=1e-12), "the rough groove carries the ball along"
-    assert one.balls.converged
+    assert t.driving_torque_on_screw == pytest.approx(-t.advance_per_radian * t.axial_load, rel=1e-12)
+    assert np.allclose(free.ball_friction.orbital_speed, rough.ball_friction.orbital_speed, rtol=1e-12), (
+        "the limit of small equal coefficients"
+    )
+    assert half.friction_sums.friction_torque == pytest.approx(0.5 * rough.friction_sums.friction_torque, rel=1e-12)
+    assert one.friction_sums.power == pytest.approx(0.0, abs=1e-12), "the rough groove carries the ball along"
+    assert one.ball_friction.converged
 
 
 def test_balls_without_load_have_no_motion_and_lose_nothing():
     scene = small_screw(6, 0.9, force=(0.0, 0.0, 100.0))
     errors = replace(scene.errors, balls=replace(scene.errors.balls, listed=((2, -20e-6),)))
     found = state(replace(scene, errors=errors))
-    assert found.balls.status[1] == "no load"
-    assert np.isnan(found.balls.orbit[1])
-    assert found.balls.loss[1].sum() == 0.0
-    assert np.isnan(found.closing[:2]).all()
-    assert np.isfinite(found.torque.friction)
+    assert found.ball_friction.status[1] == "no load"
+    assert np.isnan(found.ball_friction.orbital_speed[1])
+    assert found.ball_friction.loss[1].sum() == 0.0
+    assert np.isnan(found.closing_speeds[:2]).all()
+    assert np.isfinite(found.friction_sums.friction_torque)
 
 
 def test_a_larger_ball_orbits_by_its_own_radius():
@@ -107,13 +123,13 @@ def test_a_larger_ball_orbits_by_its_own_radius():
 def test_closing_speeds_are_differences_of_orbits_along_each_start():
     found = state(two_starts())
     radius = np.hypot(16.5e-3, 24e-3 / (2.0 * np.pi))
-    order = np.argsort(found.at.layout.azimuth[:8])
-    gain = found.balls.orbit[order[:-1]] - found.balls.orbit[order[1:]]
-    assert np.allclose(found.closing[order[:-1]], radius * gain, rtol=1e-12)
-    assert np.isnan(found.closing[order[-1]])
+    order = np.argsort(found.contacts.layout.azimuth[:8])
+    gain = found.ball_friction.orbital_speed[order[:-1]] - found.ball_friction.orbital_speed[order[1:]]
+    assert np.allclose(found.closing_speeds[order[:-1]], radius * gain, rtol=1e-12)
+    assert np.isnan(found.closing_speeds[order[-1]])
     ring = state(SCENES["ring"]())
-    assert np.isfinite(ring.closing).all()
-    assert ring.closing.sum() == pytest.approx(0.0, abs=1e-15)
+    assert np.isfinite(ring.closing_speeds).all()
+    assert ring.closing_speeds.sum() == pytest.approx(0.0, abs=1e-15)
 
 
 def test_what_is_refused():

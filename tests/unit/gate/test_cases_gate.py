@@ -9,11 +9,11 @@ from tests.load_cases import TEXT as WITH_STORED
 
 import rollbench
 from rollbench.compare.gate import user
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.store import load_run, save_run
-from rollbench.compare.reference.tasks import group_by_geometry, mesh_settings, settings_with_tuples
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.reference.store import load_stored_run, save_run
+from rollbench.compare.reference.tasks import group_by_geometry, mesh_settings, mesh_settings_with_tuples
 from rollbench.compare.scenes import scene_file
-from rollbench.lowfi.rating.life import basic_rating_life, equivalent_contact_loads
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads
 
 #: No case has a shipped run: the balls are larger by 0.1 um than those of the shipped scene.
 TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize = "5 um"', 'oversize = "5.1 um"')
@@ -22,10 +22,10 @@ TEXT = WITH_STORED.replace('name = "balls"', 'name = "rest"').replace('oversize 
 def keep(store, text: str, **off: float) -> dict[str, np.ndarray]:
     """Store runs as if the 3D reference had found the loads of the model lin, but for a factor on those of some cases."""
     store.mkdir()
-    shipped, out = load_run(SHIPPED, 1), {}
+    shipped, out = load_stored_run(SHIPPED, 1), {}
     for case in scene_file.parse_scene(text, "two.toml").cases:
-        settings = settings_with_tuples(asdict(mesh_settings([case.scene], 1, "")))
-        found = run_model(case.scene, "lin", Options(discretisation=False)).load * off.get(case.name, 1.0)
+        settings = mesh_settings_with_tuples(asdict(mesh_settings([case.scene], 1, "")))
+        found = run_model(case.scene, "lin", ModelOptions(estimate_beam_mesh_error=False)).load * off.get(case.name, 1.0)
         save_run(store, case.scene, replace(shipped, scene=case.scene.name, load=found, settings=settings))
         out[case.name] = found
     return out
@@ -84,7 +84,7 @@ def test_compare_sets_the_life_over_the_cycle_beside_that_of_the_reference(comma
     assert {(one["scene"], one["case"]): one["share"] for one in found["cases"]} == shares
     (whole,) = found["summary"]
     assert whole["largest_error_case"] == "push"
-    by_reference = basic_rating_life(SHIPPED, equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
+    by_reference = basic_rating_life(SHIPPED, damage_equivalent_contact_loads([loads["rest"], loads["push"]], [0.75, 0.25]))
     assert whole["life_million_revolutions"]["3D reference"] == pytest.approx(by_reference.revolutions, rel=1e-6)
     assert whole["life_error_percent"] < -1.0
     assert {row["case"] for row in found["rows"]} == {"rest", "push", "loose"}
@@ -110,7 +110,7 @@ def test_a_file_of_loads_is_judged_case_by_case(command, tmp_path) -> None:
 def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bodies(command, tmp_path, monkeypatch) -> None:
     from rollbench.hifi import setup
 
-    path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.prepare
+    path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.mesh_and_condense_geometry
     monkeypatch.setattr(setup, "prepare", lambda *given, **options: set_ups.append(1) or prepare(*given, **options))
     limits = "--limit", "life=50", "--limit", "contact angle=5"
     commands = {"solve": (), "compare": ("--levels", "1", "--store", store), "check": ("--stored", store, *limits)}

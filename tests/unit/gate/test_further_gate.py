@@ -7,7 +7,7 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.gate import judged as judging
-from rollbench.compare.gate.judged import GivenValue, read_given_values
+from rollbench.compare.gate.judged import UserValue, read_user_values
 from rollbench.compare.gate.user import check_scenes, gate_request
 from rollbench.compare.gate.verdict import LARGEST, Verdict, quantities_without_verdict
 from rollbench.compare.models import loading, uncertainty
@@ -24,7 +24,7 @@ GIVEN = catalogue.scene(SCENE)
 
 
 def stored():
-    return stored_references(GIVEN, (store.shipped_store(),))[0].found
+    return stored_references(GIVEN, (store.shipped_store(),))[0].reference
 
 
 def table(path, heads: str, cells):
@@ -35,7 +35,7 @@ def table(path, heads: str, cells):
 
 
 def judged(**what: object) -> list[Verdict]:
-    return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.Engine(), lambda _: None)
+    return check_scenes([GIVEN], gate_request(compute=False, **what), jobs.ComputingSettings(), lambda _: None)
 
 
 #: Factors of headings by quantity.
@@ -60,7 +60,7 @@ def test_headings_say_quantity_and_unit(name: str) -> None:
 def test_units_of_the_header_are_obeyed(tmp_path) -> None:
     file = table(tmp_path / "a.csv", "kN,angle_rad,approach_mm", lambda b, _: f"{0.1 * b},0.8,{0.005 if b else ''}")
     found = read_loads(file, 32)
-    places = found.load[3, 0], found.further["angle"][0, 0], found.further["approach"][3, 0]
+    places = found.load[3, 0], found.further_quantities["angle"][0, 0], found.further_quantities["approach"][3, 0]
     assert places == pytest.approx((300.0, 0.8, 5e-6), abs=0.0, rel=1e-6)
 
 
@@ -137,7 +137,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
 
 def test_a_rigidity_curve_is_judged_load_by_load(tmp_path) -> None:
     """At another load the reference is that of the scene with its loads in proportion, here stored by the test."""
-    half, run = loading.scale_loads(GIVEN, 0.5), stored().best
+    half, run = loading.with_scaled_loads(GIVEN, 0.5), stored().best
     line = run.centreline * np.array([1.0, 0.5, 0.5, 0.55])
     settings = asdict(tasks.mesh_settings([half], run.level, ""))
     (tmp_path / "store").mkdir()
@@ -174,15 +174,15 @@ def test_faulty_values_are_refused_by_line(tmp_path) -> None:
     }
     for key, row in ((key, row) for key, rows in faulty.items() for row in rows):
         with pytest.raises(InputError) as caught:
-            read_given_values(values(tmp_path / "v.csv", row))
+            read_user_values(values(tmp_path / "v.csv", row))
         assert caught.value.key == key, row
 
 
 def test_values_of_several_loads_and_decimal_commas(tmp_path) -> None:
     text = "quantity;value;unit;where;who\nrigidity;210,5;N/um;2,5 kN\nlife;3;million revolutions\n"
     (tmp_path / "v.csv").write_text(text)
-    found, unknown = read_given_values(tmp_path / "v.csv")
-    assert found == [GivenValue(judging.RIGIDITY, 210.5e6, 2500.0, None, "2,5 kN"), GivenValue(judging.LIFE, 3.0)]
+    found, unknown = read_user_values(tmp_path / "v.csv")
+    assert found == [UserValue(judging.RIGIDITY, 210.5e6, 2500.0, None, "2,5 kN"), UserValue(judging.LIFE, 3.0)]
     assert unknown == ('"who"',)
 
 

@@ -127,5 +127,7 @@ def test_the_page_of_a_scene_shows_both(tmp_path) -> None:
     series = figure.panels[1].series
     assert [one.label for one in series] == ["refined", "bench.csv", "3D reference"]
     bench = series[1]
-    assert bench.bars[1][1] - bench.bars[0][1] == pytest.approx(0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2)
+    assert bench.error_bars[1][1] - bench.error_bars[0][1] == pytest.approx(
+        0.6 * estimate.reference_of_scene(GIVEN).mean, rel=0.2
+    )
     assert {"bench.csv", "3D reference"} <= {column.label for column in table.columns}

@@ -10,12 +10,12 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.compare.scenes.catalogue import shipped_scene_text
-from rollbench.fixture import Rollbench
+from rollbench.fixture import RollbenchFixture
 
 
 def test_a_scene_that_passes_and_one_that_does_not(tmp_path) -> None:
     (tmp_path / "two-balls.toml").write_text(shipped_scene_text("two-balls"), encoding="utf-8")
-    here = Rollbench(tmp_path)
+    here = RollbenchFixture(tmp_path)
     (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
     assert verdict.word == "pass"
     with pytest.raises(pytest.fail.Exception, match=r"UNDECIDED: two-balls, refined: .* limit 0\.4 %"):

@@ -11,7 +11,7 @@ import rollbench
 from rollbench.compare.reference.tasks import group_by_geometry
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.catalogue import shipped_scene_text
-from rollbench.lowfi.rating.life import basic_rating_life, equivalent_contact_loads
+from rollbench.lowfi.rating.life import basic_rating_life, damage_equivalent_contact_loads
 
 PARTS = shipped_scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.0")
 PARTS = PARTS.replace('length = "48 mm"', 'length = "30 mm"')
@@ -50,7 +50,7 @@ def test_every_case_is_the_scene_under_its_loads_and_every_set_has_its_life(comm
     each = [np.array([list(b["load_N"].values()) for b in one["balls"]]) for one in found["cases"]]
     for k, of_set in enumerate(whole["sets"]):
         loads = [load[8 * k : 8 * k + 8] for load in each]
-        expected = basic_rating_life(parts[k].parts, equivalent_contact_loads(loads, [0.7, 0.3, 0.0]))
+        expected = basic_rating_life(parts[k].parts, damage_equivalent_contact_loads(loads, [0.7, 0.3, 0.0]))
         assert (of_set["name"], of_set["standard_life"]["standard"]) == (NUTS[k], "ISO 3408-5")
         assert of_set["life"]["L10_million_revolutions"] == expected.revolutions
         assert abs(of_set["life_difference_percent"]) < 20.0, "the axial force of a nut is that of its contacts"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.models import comparison as references
-from rollbench.compare.reference.store import load_run, shipped_store
+from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.reference.tasks import ball_slices_by_set
 from rollbench.compare.scenes import catalogue
 
@@ -27,13 +27,13 @@ def test_comparison_of_a_double_nut_names_its_sets(command, tmp_path):
 
 
 def test_references_of_sets_are_parts_of_one_run():
-    scene = catalogue.any_scene("double-nut")
-    run = load_run(scene, 1, stores=(shipped_store(),))
+    scene = catalogue.scene_of_any_kind("double-nut")
+    run = load_stored_run(scene, 1, stores=(shipped_store(),))
     sets = references.stored_references(scene, (shipped_store(),), (1,))
     assert max(run.balance, run.screw_balance) < 1e-9
-    assert [one.of.name for one in sets] == NUTS
+    assert [one.place_on_shaft.name for one in sets] == NUTS
     for one, place in zip(sets, ball_slices_by_set(scene), strict=True):
-        np.testing.assert_array_equal(one.found.load, run.load[place])
+        np.testing.assert_array_equal(one.reference.load, run.load[place])
     along = np.where(run.load > 0.0, run.load * np.sin(np.radians(run.angle)), 0.0).sum(axis=0)
     lead = np.cos(np.arctan(0.01 / (2 * np.pi * 0.0166)))
     assert (along[0] - along[1]) * lead == pytest.approx(2000.0, rel=1e-3)

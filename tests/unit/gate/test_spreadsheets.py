@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.gate.judged import read_given_values
+from rollbench.compare.gate.judged import read_user_values
 from rollbench.compare.gate.user import read_reference_file
 from rollbench.compare.models.loads_file import read_loads
 from rollbench.compare.scenes import catalogue
@@ -29,7 +29,7 @@ READERS = {
     "shorter": ("ball,flank,newton,note", "{ball},{side},489,517,x", lambda file: read_loads(file, 2)),
     "filled up": ("ball,flank,newton,,", "{ball},{side},489,517,", lambda file: read_loads(file, 2)),
     "reference": ("ball,flank,newton", "{ball},{side},489,517", lambda file: read_reference_file(file, TWO)),
-    "values": ("quantity,value,unit", "rigidity,540,5,N/um", read_given_values),
+    "values": ("quantity,value,unit", "rigidity,540,5,N/um", read_user_values),
 }
 
 
@@ -88,7 +88,7 @@ def test_a_row_without_the_word_of_its_case_is_not_left_out(tmp_path) -> None:
 def test_a_quantity_that_two_columns_give_is_refused(tmp_path) -> None:
     (tmp_path / "a.csv").write_text("quantity,value,unit,value\nrigidity,540,N/um,450\n", encoding="utf-8")
     with pytest.raises(InputError, match="one column value"):
-        read_given_values(tmp_path / "a.csv")
+        read_user_values(tmp_path / "a.csv")
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_a_quantity_that_two_columns_give_is_refused(tmp_path) -> None:
 def test_a_decimal_comma_in_a_value_is_named(tmp_path, row: str) -> None:
     (tmp_path / "a.csv").write_text(f"quantity,value,unit,where\n{row}\n", encoding="utf-8")
     with pytest.raises(InputError, match="decimal comma"):
-        read_given_values(tmp_path / "a.csv")
+        read_user_values(tmp_path / "a.csv")
 
 
 ROW = "{ball},{side},489.5"
@@ -108,7 +108,7 @@ def test_encodings_that_their_mark_tells_are_read(tmp_path, encoding: str) -> No
     file = written(tmp_path, "ball,flank,newton,approach_µm", ROW + ",5")
     file.write_text(file.read_text(encoding="utf-8"), encoding=encoding)
     found = read_loads(file, 2)
-    assert (found.load[1, 3], found.further["approach"][1, 3]) == pytest.approx((489.5, 5e-6))
+    assert (found.load[1, 3], found.further_quantities["approach"][1, 3]) == pytest.approx((489.5, 5e-6))
 
 
 @pytest.mark.parametrize(
@@ -122,14 +122,14 @@ def test_other_encodings_are_named(tmp_path, encoding: str, words: str) -> None:
     scene = tmp_path / "a.toml"
     scene.write_bytes(catalogue.shipped_scene_text("two-balls").replace("Two", "µ").encode(encoding))
     with pytest.raises(InputError, match=words):
-        catalogue.any_scene(str(scene))
+        catalogue.scene_of_any_kind(str(scene))
 
 
 @pytest.mark.parametrize(("old", "new"), [('"6 um"', '"6,5 um"'), ("poissons_ratio = 0.28", "poissons_ratio = 0,28")])
 def test_a_decimal_comma_in_a_scene_is_named(tmp_path, old: str, new: str) -> None:
     (tmp_path / "a.toml").write_text(catalogue.shipped_scene_text("two-balls").replace(old, new), encoding="utf-16")
     with pytest.raises(InputError, match="decimal comma"):
-        catalogue.any_scene(str(tmp_path / "a.toml"))
+        catalogue.scene_of_any_kind(str(tmp_path / "a.toml"))
 
 
 @pytest.mark.parametrize("options", [["--max-error", "7,5"], ["--limit", "rigidity=5,5"]])

@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from rollbench.compare.errors import InputError, Refusal
+from rollbench.compare.errors import InputError, SceneNotCoveredError
 from rollbench.compare.gate import user
-from rollbench.compare.gate.publish import HEADINGS, Outcome, junit_xml, markdown_text, verdicts_csv, write_verdicts
+from rollbench.compare.gate.publish import HEADINGS, VerdictFileRow, junit_xml, markdown_text, verdicts_csv, write_verdicts
 from rollbench.compare.gate.user import GateRequest, check_scenes, gate_request, limits_for_scene
 from rollbench.compare.models import loads_file
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.reference import estimate, jobs, store
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.meshes.parts import SIDES
@@ -22,7 +22,7 @@ TWO = catalogue.scene("two-balls")
 
 
 def check(scenes: list, what: GateRequest):
-    return check_scenes(scenes, what, jobs.Engine(), lambda _: None)
+    return check_scenes(scenes, what, jobs.ComputingSettings(), lambda _: None)
 
 
 @pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.07, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
@@ -56,7 +56,7 @@ def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> 
 @pytest.mark.parametrize("name", ["two-balls", "double-nut"])
 def test_a_renamed_copy_has_the_stored_reference(name: str) -> None:
     same, copy = (
-        check([replace(catalogue.any_scene(name), name=as_)], gate_request(model="lin", compute=False))
+        check([replace(catalogue.scene_of_any_kind(name), name=as_)], gate_request(model="lin", compute=False))
         for as_ in (name, "my copy")
     )
     assert {v.scene for v in copy} == {"my copy"}
@@ -70,8 +70,8 @@ def test_a_scene_may_set_its_own_limits() -> None:
     assert scene == TWO, "limits are no part of what is solved and stored"
     assert store.content_key_of_run(scene, "", {}, (0, 3)) == store.content_key_of_run(TWO, "", {}, (0, 3))
     stated, given = limits_for_scene(scene, None), limits_for_scene(scene, 9.0)
-    assert (stated.largest, stated.rms, given.largest) == (0.4, 1.0, 9.0)
-    assert limits_for_scene(TWO, None).largest == 7.0
+    assert (stated.largest_load_error, stated.rms_load_error, given.largest_load_error) == (0.4, 1.0, 9.0)
+    assert limits_for_scene(TWO, None).largest_load_error == 7.0
     verdicts = check([scene], gate_request(compute=False))
     assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 0.4), ("pass", 1.0)]
 
@@ -81,7 +81,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
 
     def refused(tasks, *_: object, **__: object) -> list[object]:
         planned.append((sorted({s.name for t in tasks for s in t.scenes}), sorted({t.level for t in tasks})))
-        raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
+        raise SceneNotCoveredError("mine", "3D reference", "no room for the contact", "deepen the groove")
 
     monkeypatch.setattr(user, "ensure", refused)
     text = catalogue.shipped_scene_text("two-balls").replace('"6 um"', '"6.1 um"')
@@ -112,7 +112,7 @@ ORDERED = "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n"
 def test_spreadsheets_as_they_are_saved(tmp_path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
     found = loads_file.read_loads(tmp_path / "a.csv", 2)
-    assert found.flanks == ("SL", "NR")
+    assert found.flanks_with_rows == ("SL", "NR")
     np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
 
 
@@ -141,7 +141,7 @@ def test_faulty_loads_are_refused_by_line(tmp_path, old: str, new: str, key: str
     assert words in str(caught.value)
 
 
-GREEN = Outcome(True, "pass", "mine", "a|b", "largest error", 8.5, 1.0, 7.0, "%", 2, "NR")
+GREEN = VerdictFileRow(True, "pass", "mine", "a|b", "largest error", 8.5, 1.0, 7.0, "%", 2, "NR")
 ROWS = [GREEN, replace(GREEN, good=False, word="fail", note="=1+1 <b>")]
 
 
@@ -201,10 +201,10 @@ def test_loads_that_solve_writes_are_those_that_check_reads(command, tmp_path) -
     rows = solved_loads(command, tmp_path)
     text = (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert (text.splitlines()[0], "#" in text, len(rows)) == ("ball,flank,newton,azimuth_deg,z_mm", False, 32 * 4)
-    result = run_model(catalogue.scene("lin-case1"), "lin", Options())
+    result = run_model(catalogue.scene("lin-case1"), "lin", ModelOptions())
     given = loads_file.read_loads(tmp_path / "loads.csv", 32, catalogue.scene("lin-case1"))
     np.testing.assert_array_equal(given.load, result.load)
-    assert given.renumbered == 0
+    assert given.renumbered_ball_count == 0
     found = judged(tmp_path, rows)
     assert (found.word, found.detail) == ("pass", "")
 

@@ -12,7 +12,7 @@ from rollbench.compare.gate.verdict import (
     LARGEST,
     ONE_LEVEL,
     RMS,
-    Limits,
+    ErrorLimits,
     judge_contact_loads,
     verdict_on_error,
     worst_verdict,
@@ -29,7 +29,9 @@ def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> estimate.Re
     levels = (1,) if uncertainty is None else (1, 2)
     runs = tuple(SimpleNamespace(level=k, load=load, moving=0.0) for k in levels)
     bar = 0.3 if uncertainty is None else uncertainty
-    parts = estimate.GridParts(bar) if uncertainty is None else estimate.GridParts(bar, bar / 2.0, 0.0, 0.0, 0.0)
+    parts = (
+        estimate.MeshUncertainty(bar) if uncertainty is None else estimate.MeshUncertainty(bar, bar / 2.0, 0.0, 0.0, 0.0)
+    )
     return estimate.Reference("mine", runs, load, np.where(load > 0.0, bar, 0.0), parts)
 
 
@@ -49,12 +51,12 @@ def test_pass_undecided_fail(sign: float) -> None:
 
 
 def test_the_contact_that_decides_is_named() -> None:
-    (found,) = judge_contact_loads("x", changed({(1, 3): 108.5}), reference(1.0), Limits(7.0))
+    (found,) = judge_contact_loads("x", changed({(1, 3): 108.5}), reference(1.0), ErrorLimits(7.0))
     assert (found.word, found.ball, found.flank, found.contacts, found.levels) == ("fail", 2, "NR", 4, (1, 2))
     assert found.error_percent == pytest.approx(8.5)
     first = "8.50 % of the mean load on the worst contact (ball 2 NR), 4.25 % RMS"
     assert found.line() == f"FAIL: mine, x: {first}; {LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR), {RULE}"
-    (found,) = judge_contact_loads("x", changed({(1, 3): 105.0}), reference(1.0), Limits(7.0))
+    (found,) = judge_contact_loads("x", changed({(1, 3): 105.0}), reference(1.0), ErrorLimits(7.0))
     assert found.word == "pass"
     assert f"{LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR), {RULE}" in found.line()
     assert found.as_json()["max_percent_of_mean"] == pytest.approx(5.0)
@@ -64,41 +66,41 @@ def test_flanks_that_are_not_judged_do_not_count_in_the_mean() -> None:
     """Half of the contacts of 100 N, one of them off by 3 N: 3 % of the mean load, as where all are judged."""
     nominal, off = replace(reference(1.0), contacts=4), changed({(1, 3): 103.0})
     for flanks in (("NL", "NR"), ("SL", "SR", "NL", "NR")):
-        (found,) = judge_contact_loads("x", off, nominal, Limits(7.0), flanks)
+        (found,) = judge_contact_loads("x", off, nominal, ErrorLimits(7.0), flanks)
         assert found.of_mean.max_percent == pytest.approx(3.0)
-    (found,) = judge_contact_loads("x", off, nominal, Limits(7.0), ("NR",))
+    (found,) = judge_contact_loads("x", off, nominal, ErrorLimits(7.0), ("NR",))
     assert found.of_mean.rms_percent == pytest.approx(3.0 / np.sqrt(2.0))
 
 
 def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:
     found = reference(1.0)
     found.uncertainty[0, 0], found.uncertainty[0, 3] = 20.0, 4.5
-    (verdict,) = judge_contact_loads("x", changed({(0, 0): 125.0, (0, 3): 112.0, (1, 0): 109.0}), found, Limits(7.0))
+    (verdict,) = judge_contact_loads("x", changed({(0, 0): 125.0, (0, 3): 112.0, (1, 0): 109.0}), found, ErrorLimits(7.0))
     assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 2, "SL")
 
 
 def test_a_load_that_the_reference_does_not_have_counts() -> None:
     load = changed({(0, 1): 9.0})
-    (verdict,) = judge_contact_loads("x", load, reference(0.5), Limits(7.0))
+    (verdict,) = judge_contact_loads("x", load, reference(0.5), ErrorLimits(7.0))
     assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 1, "SR")
-    (verdict,) = judge_contact_loads("x", load, reference(0.5), Limits(7.0), flanks=("SL", "NR"))
+    (verdict,) = judge_contact_loads("x", load, reference(0.5), ErrorLimits(7.0), flanks=("SL", "NR"))
     assert verdict.word == "pass"
 
 
 def test_one_level_decides_by_experience_and_says_so() -> None:
-    (verdict,) = judge_contact_loads("x", 2.0 * LOAD, reference(None), Limits(7.0))
+    (verdict,) = judge_contact_loads("x", 2.0 * LOAD, reference(None), ErrorLimits(7.0))
     assert (verdict.word, verdict.uncertainty_percent, verdict.detail) == ("fail", pytest.approx(0.3), ONE_LEVEL)
     assert verdict.line().endswith(ONE_LEVEL)
 
 
 def test_rms_is_judged_where_it_has_a_limit() -> None:
-    largest, rms = judge_contact_loads("x", 1.04 * LOAD, reference(0.5), Limits(7.0, rms=3.0))
+    largest, rms = judge_contact_loads("x", 1.04 * LOAD, reference(0.5), ErrorLimits(7.0, rms_load_error=3.0))
     assert (largest.word, rms.word, rms.quantity) == ("pass", "fail", RMS)
     assert (rms.error_percent, rms.uncertainty_percent) == pytest.approx((4.0, 0.5))
 
 
 def test_flanks_without_load_are_not_covered() -> None:
-    (verdict,) = judge_contact_loads("x", 0.0 * LOAD, reference(0.5), Limits(7.0), flanks=("SR",))
+    (verdict,) = judge_contact_loads("x", 0.0 * LOAD, reference(0.5), ErrorLimits(7.0), flanks=("SR",))
     assert verdict.word == "not covered"
     assert verdict.line() == "NOT COVERED: mine, x: the reference has no load on SR"
 

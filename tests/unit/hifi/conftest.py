@@ -25,4 +25,4 @@ def _one_submodel():
 def small(small_cache):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(coarse, "REALISATIONS", 1)
-        return setup.prepare(two_balls(), (0, 3), SMALL, cache=small_cache)
+        return setup.mesh_and_condense_geometry(two_balls(), (0, 3), SMALL, cache=small_cache)

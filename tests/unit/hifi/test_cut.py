@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
 from rollbench.hifi.shaft import section as cell
 from rollbench.hifi.shaft.beam import ShaftSection, end_flexibility_of_cantilever, round_section, tube_section
-from rollbench.hifi.shaft.mounting import Stretch, mount_stretch, subtract_cut_ends
+from rollbench.hifi.shaft.mounting import MeshedShaftPart, subtract_cut_end_flexibility, support_shaft_part
 from rollbench.hifi.shaft.section import (
     HALF_TURN,
-    fit_cut_flexibility,
+    fit_flexibility_of_cut_end,
+    flexibility_of_lower_cut_end,
+    flexibility_of_upper_cut_end,
     groove_azimuth,
-    lower_cut_flexibility,
     rotate_flexibility,
     stiffness_of_grooved_shaft,
-    upper_cut_flexibility,
 )
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -25,7 +25,7 @@ from rollbench.meshes.parts import FREEDOMS, Load, Support
 pytestmark = pytest.mark.xdist_group("cut shafts")
 
 SCENE = catalogue.scene("lin-case1")
-RIGHT = replace(GrooveMap.of(SCENE), phase=0.7)
+RIGHT = replace(GrooveMap.from_scene(SCENE), phase=0.7)
 HANDS = {"right": RIGHT, "left": replace(RIGHT, rg=-RIGHT.rg), "two starts": replace(RIGHT, starts=2)}
 UNIT = np.array([RIGHT.R] * 3 + [1.0] * 3)
 SIZE = np.outer(UNIT, UNIT)
@@ -61,16 +61,16 @@ def between(m, near, far, a, b):
     for z, weight in zip(near + reach * (x + 1) / 2, reach * w / 2, strict=True):
         out += (
             weight
-            * rigid_motion_transfer_matrix(a - z)
+            * rigid_motion_transfer_along_z(a - z)
             @ rotate_flexibility(swaying(), groove_azimuth(m, z))
-            @ rigid_motion_transfer_matrix(b - z).T
+            @ rigid_motion_transfer_along_z(b - z).T
         )
     out += (
-        rigid_motion_transfer_matrix(a - near)
-        @ lower_cut_flexibility(cut_end(), m, near)
-        @ rigid_motion_transfer_matrix(b - near).T
+        rigid_motion_transfer_along_z(a - near)
+        @ flexibility_of_lower_cut_end(cut_end(), m, near)
+        @ rigid_motion_transfer_along_z(b - near).T
     )
-    return out + upper_cut_flexibility(cut_end(), m, far) * (a == far and b == far)
+    return out + flexibility_of_upper_cut_end(cut_end(), m, far) * (a == far and b == far)
 
 
 def shaft(m, length):
@@ -81,7 +81,7 @@ def shaft(m, length):
 def known(m, leads=(2, 4, 2.25), beam=0.0 * MEAN):
     """E of the swaying shaft: found from so many lengths; beam: what is added to each metre."""
     lengths = [k * LEAD for k in leads]
-    return fit_cut_flexibility(m, [(x, shaft(m, x) + end_flexibility_of_cantilever(x, beam)) for x in lengths], MEAN)
+    return fit_flexibility_of_cut_end(m, [(x, shaft(m, x) + end_flexibility_of_cantilever(x, beam)) for x in lengths], MEAN)
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -89,8 +89,8 @@ def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
     m = HANDS[hand]
     E = known(m)
     for length in (1.8 * LEAD, 2.5 * LEAD, 5.1 * LEAD):
-        T, half = rigid_motion_transfer_matrix(length), length / 2
-        ends = T @ lower_cut_flexibility(E, m, m.z0 - half) @ T.T + upper_cut_flexibility(E, m, m.z0 + half)
+        T, half = rigid_motion_transfer_along_z(length), length / 2
+        ends = T @ flexibility_of_lower_cut_end(E, m, m.z0 - half) @ T.T + flexibility_of_upper_cut_end(E, m, m.z0 + half)
         wanted = shaft(m, length) - end_flexibility_of_cantilever(length, MEAN)
         np.testing.assert_allclose(ends / SIZE, wanted / SIZE, atol=1e-11)
         assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
@@ -100,8 +100,8 @@ def stretch(m, low, high):
     """The swaying shaft as the 3D stretch of a screw; every contact has the six motions of its section as modes."""
     places = [0.37, 0.4, 0.42, high, 0.4]
     F = np.block([[between(m, low, high, a, b) for b in places] for a in places])
-    B = np.concatenate([rigid_motion_transfer_matrix(z - low) for z in places])
-    return Stretch(F, B, low, (high,), (0.4,), (low, high), 18)
+    B = np.concatenate([rigid_motion_transfer_along_z(z - low) for z in places])
+    return MeshedShaftPart(F, B, low, (high,), (0.4,), (low, high), 18)
 
 
 @pytest.mark.parametrize("hand", HANDS)
@@ -113,8 +113,8 @@ def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends)
     scene = replace(SCENE, supports=supports, loads=(Load(0.8, (0.0, 50.0, 5e3), (1.0, 2.0, 3.0)),))
 
     def answers(low, high):
-        found = mount_stretch(subtract_cut_ends(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
-        return found.G / np.tile(SIZE, (3, 3)), found.loads / np.tile(UNIT, 3)
+        found = support_shaft_part(subtract_cut_end_flexibility(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
+        return found.G / np.tile(SIZE, (3, 3)), found.mode_displacements_by_loads / np.tile(UNIT, 3)
 
     for one, other, left in zip(answers(0.35, 0.45), answers(*ends), (1e-9, 1e-8), strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=left * np.abs(one).max())
@@ -131,7 +131,9 @@ def meshed():
         return known[key]
 
     section = stiffness_of_grooved_shaft(m, 16e-3, bore, steel)
-    found = cell.compute_equivalent_beam(m, bore, steel, section, [once(length) for length in cell.shaft_lengths(m)])
+    found = cell.compute_equivalent_beam(
+        m, bore, steel, section, [once(length) for length in cell.choose_lengths_of_fitted_shafts(m)]
+    )
     return found, lambda length: once(length)[1], known
 
 
@@ -172,14 +174,14 @@ def test_a_meshed_shaft_is_beam_and_cuts(meshed):
     uniform = np.diag([1 / found.section.kGA] * 2 + [mesh[2, 2]] + [0.5 * (mesh[3, 3] + mesh[4, 4])] * 2 + [mesh[5, 5]])
     uniform[2, 5] = uniform[5, 2] = mesh[2, 5]
     length = 2.5 * 20e-3
-    T = rigid_motion_transfer_matrix(length)
+    T = rigid_motion_transfer_along_z(length)
     F = flexibility(length) / SIZE
     stake = F - end_flexibility_of_cantilever(length, uniform) / SIZE
     left = (
         stake
         - (
-            T @ lower_cut_flexibility(found.cut, m, m.z0 - length / 2) @ T.T
-            + upper_cut_flexibility(found.cut, m, m.z0 + length / 2)
+            T @ flexibility_of_lower_cut_end(found.cut, m, m.z0 - length / 2) @ T.T
+            + flexibility_of_upper_cut_end(found.cut, m, m.z0 + length / 2)
         )
         / SIZE
     )

@@ -44,17 +44,17 @@ def test_the_supernodes_hold_the_factor_and_little_more(matrix, leaf, monkeypatc
     monkeypatch.setattr(linear_algebra, "LEAF", leaf)
     nodes = find_elimination_order(matrix)
     n = matrix.shape[0]
-    np.testing.assert_array_equal(np.sort(nodes.order), np.arange(n))
-    assert np.all(np.ptp(nodes.order.reshape(-1, 3) // 3, axis=1) == 0)  # whole nodes
-    assert (nodes.first[0], nodes.first[-1], nodes.start[-1]) == (0, n, nodes.rows.size)
+    np.testing.assert_array_equal(np.sort(nodes.elimination_order), np.arange(n))
+    assert np.all(np.ptp(nodes.elimination_order.reshape(-1, 3) // 3, axis=1) == 0)  # whole nodes
+    assert (nodes.first_columns[0], nodes.first_columns[-1], nodes.row_starts[-1]) == (0, n, nodes.rows_of_supernodes.size)
     held = np.zeros((n, n), dtype=bool)
-    for k in range(nodes.first.size - 1):
-        low, high = nodes.first[k : k + 2]
-        rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+    for k in range(nodes.first_columns.size - 1):
+        low, high = nodes.first_columns[k : k + 2]
+        rows = nodes.rows_of_supernodes[nodes.row_starts[k] : nodes.row_starts[k + 1]]
         assert np.all(np.diff(rows) > 0)
         np.testing.assert_array_equal(rows[: high - low], np.arange(low, high))
         held[np.ix_(rows, np.arange(low, high))] = True
-    factor = filled(matrix, nodes.order)
+    factor = filled(matrix, nodes.elimination_order)
     held = np.tril(held)
     assert not np.any(factor & ~held)
     assert held.sum() <= {1: 1.05, 6: 1.8, 32: 3.0}[leaf] * factor.sum()

@@ -9,8 +9,8 @@ import pytest
 from rollbench.compare.reference.computing import BEYOND, settings_with_larger_patches
 from rollbench.compare.reference.tasks import mesh_settings
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey import SEED, scene_text
-from rollbench.hifi.meshing.part_meshes import choose_patch_lines, choose_socket_size, reach_of_ellipses_along_groove
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
+from rollbench.hifi.meshing.part_meshes import choose_patch_cells, choose_socket_size, reach_of_ellipses_along_groove
 from rollbench.hifi.meshing.settings import estimate_contacts_of_scene, hertz_contacts_under_unit_force
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
@@ -21,7 +21,7 @@ CASE = catalogue.scene("lin-case1")
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    parts = {"map": GrooveMap.of(scene), "layout": ball_layout(scene), "dims": dimensions_of_3d_parts(scene)}
+    parts = {"map": GrooveMap.from_scene(scene), "layout": ball_layout(scene), "dims": dimensions_of_3d_parts(scene)}
     return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(mesh_settings([scene], 1), **changes))
 
 
@@ -31,13 +31,13 @@ def zone(settings, setup=None):
     size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
     width = size.gamma * float(setup.map.radius.mean())
     widths = (width, size.phi * setup.map.R)
-    shares = choose_patch_lines(settings, widths, size.depth)[1]
+    shares = choose_patch_cells(settings, widths, size.depth)[1]
     return shares[0] * widths[0], shares[1] * widths[1]
 
 
 def found(factor):
     """The expected loads times a factor, at the nominal angles."""
-    load = factor * estimate_contacts_of_scene(CASE).load
+    load = factor * estimate_contacts_of_scene(CASE).loads
     return load, np.where(load > 0.0, np.radians(45.0), np.nan)
 
 
@@ -46,7 +46,7 @@ def test_patches_grow_to_the_loads_found(factor):
     setup = prepared()
     larger, words = settings_with_larger_patches(setup, [found(factor)], 2)
     assert larger is not None
-    needs = factor ** (1.0 / 3.0) * estimate_contacts_of_scene(CASE).across.max()
+    needs = factor ** (1.0 / 3.0) * estimate_contacts_of_scene(CASE).semi_axes_across.max()
     assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
     assert max(after / before for after, before in zip(zone(larger), zone(setup.settings), strict=True)) > 1.0
     assert f"need {1e3 * needs:.3g} mm across" in words
@@ -55,7 +55,7 @@ def test_patches_grow_to_the_loads_found(factor):
 
 def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     """A random screw 16x16: by its ellipse's semi-axes a contact is within the patch, askew by the lead it is not."""
-    drawn = scene_file.scene_from_text(scene_text(SEED, 85), "drawn.toml")
+    drawn = scene_file.scene_from_text(random_screw_scene_text(SEED, 85), "drawn.toml")
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))
     run = load, np.where(load > 0.0, np.radians(48.6), np.nan)
@@ -72,7 +72,7 @@ def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
 
 @pytest.mark.parametrize("angle", [40.0, 45.0])
 def test_on_a_ring_nothing_is_askew(angle):
-    ring = GrooveMap.of(catalogue.scene("bearing-9"))
+    ring = GrooveMap.from_scene(catalogue.scene("bearing-9"))
     beta, b = np.array([np.radians(angle)]), np.array([1e-5])
     r = float(ring.R - ring.ball * np.cos(ring.beta))
     assert reach_of_ellipses_along_groove(ring, 0, beta, np.array([1e-4]), b) == pytest.approx(1e-5 * ring.R / r, rel=0.02)

@@ -8,7 +8,7 @@ from tests.helpers import small_screw
 
 from rollbench.compare.models.study import with_conformity
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.meshing.part_meshes import choose_socket_size
 from rollbench.hifi.meshing.settings import (
     ExpectedContacts,
@@ -41,13 +41,13 @@ def test_ring_under_axial_load_is_the_closed_form():
         load = force / (z * np.sin(angle))
         length = sum(arms) + (units[0].approach + units[2].approach) * load ** (2.0 / 3.0)
         angle = np.arccos(sum(arms) * np.cos(beta) / length)
-    np.testing.assert_allclose(found.load[:, [0, 3]], load, rtol=1e-5)
-    np.testing.assert_allclose(found.angle[:, [0, 3]], angle, rtol=1e-5)
-    assert found.load[:, [1, 2]].max() == 0.0
-    assert found.sides() == (0, 3)
-    a = hertz(1.0, *radii(RING, -1.0), 210e9, 0.28).semi_x * np.cbrt(load)
-    assert found.across[0, 0] == pytest.approx(a, rel=1e-6)
-    assert found.shift[0, 0] == pytest.approx((angle - beta) * RING.screw.groove_radius, rel=1e-4)
+    np.testing.assert_allclose(found.loads[:, [0, 3]], load, rtol=1e-5)
+    np.testing.assert_allclose(found.angles[:, [0, 3]], angle, rtol=1e-5)
+    assert found.loads[:, [1, 2]].max() == 0.0
+    assert found.nearly_touching_flanks() == (0, 3)
+    a = solve_hertz(1.0, *radii(RING, -1.0), 210e9, 0.28).semi_x * np.cbrt(load)
+    assert found.semi_axes_across[0, 0] == pytest.approx(a, rel=1e-6)
+    assert found.centre_shifts[0, 0] == pytest.approx((angle - beta) * RING.screw.groove_radius, rel=1e-4)
 
 
 @pytest.mark.parametrize("force", [200.0, 3000.0])
@@ -72,14 +72,14 @@ def test_preload_alone_is_the_closed_form():
     found = estimate_contacts_of_scene(scene)
     units = hertz_contacts_under_unit_force(scene)
     load = (2.0 * e / (units[0].approach + units[2].approach)) ** 1.5  # both approaches of a diagonal close 2 e
-    np.testing.assert_allclose(found.load, load, rtol=2e-3)
-    assert found.sides() == (0, 1, 2, 3)
+    np.testing.assert_allclose(found.loads, load, rtol=2e-3)
+    assert found.nearly_touching_flanks() == (0, 1, 2, 3)
 
 
 @pytest.mark.parametrize(("name", "sums"), [("lin-case1", 14198.0), ("lin-case3", 33439.0), ("lin-case3-offset", 33679.0)])
 def test_near_the_reference(name, sums):
     """Within 3 % of the sum of loads of the finest 3D runs."""
-    assert estimate_contacts_of_scene(catalogue.scene(name)).load.sum() == pytest.approx(sums, rel=0.03)
+    assert estimate_contacts_of_scene(catalogue.scene(name)).loads.sum() == pytest.approx(sums, rel=0.03)
 
 
 def test_hand_and_direction_do_not_matter():
@@ -88,14 +88,14 @@ def test_hand_and_direction_do_not_matter():
         for changes in ({}, {"track": replace(CASE.track, hand="left")}, {"loads": (Load(0.0, (0.0, 0.0, -5000.0)),)})
     )
     assert left.reach() == pytest.approx(as_is.reach(), rel=1e-3)
-    assert other.sides() == (1, 2)
+    assert other.nearly_touching_flanks() == (1, 2)
     assert other.semi() == pytest.approx(as_is.semi(), rel=1e-2)
 
 
 def test_prescribed_displacements_are_seen():
     pushed = [(*CASE.supports, Support(at, (("ux", 1e-3), ("uy", 0.0)))) for at in (0.8, 0.5)]
     as_is, bent, near = (estimate_contacts_of_scene(replace(CASE, supports=s)) for s in (CASE.supports, *pushed))
-    assert as_is.load.max() < bent.load.max() < near.load.max()
+    assert as_is.loads.max() < bent.loads.max() < near.loads.max()
     assert near.reach()[0] > 1.3 * as_is.reach()[0]
 
 
@@ -109,22 +109,22 @@ def test_prescribed_displacements_are_seen():
     ],
 )
 def test_errors_are_seen(errors):
-    changed = estimate_contacts_of_scene(replace(CASE, errors=errors)).load
-    assert np.abs(changed - estimate_contacts_of_scene(CASE).load).max() > 2.0
+    changed = estimate_contacts_of_scene(replace(CASE, errors=errors)).loads
+    assert np.abs(changed - estimate_contacts_of_scene(CASE).loads).max() > 2.0
 
 
 def test_a_smaller_conformity_moves_contacts_farther():
     wide, close = (estimate_contacts_of_scene(with_conformity(CASE, c)) for c in (0.58, 0.52))
-    assert np.abs(close.shift).max() > 2.5 * np.abs(wide.shift).max()
-    assert close.across.max() > 1.6 * wide.across.max()
+    assert np.abs(close.centre_shifts).max() > 2.5 * np.abs(wide.centre_shifts).max()
+    assert close.semi_axes_across.max() > 1.6 * wide.semi_axes_across.max()
 
 
 @pytest.mark.parametrize("name", ["lin-random", "lin-combined", "lin-pitch-4p1", "unseen-four-point", "unseen-63x20"])
 def test_shipped_scenes_are_found_in_balance(name):
     found = estimate_contacts_of_scene(catalogue.scene(name))
     assert isinstance(found, ExpectedContacts)
-    assert found.load.max() > 0.0
-    assert np.all((found.gap < 0.0) == (found.load > 0.0))
+    assert found.loads.max() > 0.0
+    assert np.all((found.gaps < 0.0) == (found.loads > 0.0))
 
 
 def test_a_screw_that_nothing_holds_is_refused():
@@ -135,7 +135,7 @@ def test_a_screw_that_nothing_holds_is_refused():
 
 def test_forces_balance_the_load_and_axes_are_rounded_up():
     found = estimate_contacts_of_scene(CASE)
-    total = (found.load[:, 3] * np.sin(found.angle[:, 3])).sum() * np.cos(lead_angle(CASE.track))
+    total = (found.loads[:, 3] * np.sin(found.angles[:, 3])).sum() * np.cos(lead_angle(CASE.track))
     assert total == pytest.approx(5000.0, rel=1e-4)
     semi = found.semi()
     a, b = round_up_lengths(semi)
@@ -146,9 +146,9 @@ def test_forces_balance_the_load_and_axes_are_rounded_up():
 
 def test_sockets_take_cuts_and_reach_from_the_settings():
     case = small_screw(4)
-    m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions_of_3d_parts(case)
+    m, layout, dims = GrooveMap.from_scene(case), ball_layout(case), dimensions_of_3d_parts(case)
     size = choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
-    assert size.cuts == (4, 3, 4)
+    assert size.edge_divisions == (4, 3, 4)
     assert size.gamma > 0.3
     with pytest.raises(ValueError, match=r"reaches 3 mm .* room for"):
         choose_socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))

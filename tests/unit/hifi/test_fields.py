@@ -10,12 +10,12 @@ from tests.helpers import relative, small_screw
 
 from rollbench.hifi import fields as recovered
 from rollbench.hifi.bodies.patch import condense_patch
-from rollbench.hifi.contact.hertz import hertz
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.contact.hertz import solve_hertz
+from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.meshing.part_meshes import mesh_parts
 from rollbench.hifi.meshing.settings import Settings, estimate_contacts_of_scene, round_up_lengths
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.setup import prepare
+from rollbench.hifi.setup import mesh_and_condense_geometry
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.fem import build_mesh, node_coordinates
 from rollbench.meshes.groove_map import GrooveMap
@@ -38,16 +38,16 @@ def case(_one_submodel, tmp_path_factory):
     own = {"own_cuts": (2, 2, 2), "own_sizes": (2.4e-3, 10e-3), "own_ball_sizes": (1.2e-3, 2e-3)}
     settings = Settings(b_over_h=2.1, semi=semi, reach=reach, modes=20, growth=2.0, **sizes, **own)
     cache = Cache(tmp_path_factory.mktemp("cache"))
-    setup = prepare(scene, SIDES, settings, cache=cache)
-    meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, SIDES, settings, cache)
+    setup = mesh_and_condense_geometry(scene, SIDES, settings, cache=cache)
+    meshes = mesh_parts(scene, setup.groove_map, setup.ball_positions, setup.solid_dimensions, SIDES, settings, cache)
     result = solve_reference(setup, scene)
-    assert result.contact.converged
-    forces = recovered.pressure_function_forces_by_flank(setup, result)
+    assert result.contact_solution.converged
+    forces = recovered.contact_node_forces_by_flank(setup, result)
     u = {
-        0: recovered.screw_displacement(setup, meshes.screw, forces),
-        3: recovered.nut_displacement(setup, meshes.nut, forces),
+        0: recovered.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces),
+        3: recovered.nodal_displacements_of_nut(setup, meshes.nut_mesh, forces),
     }
-    fields = {s: recovered.groove_patch_field(setup, meshes, u[s], 0, s, forces) for s in SIDES}
+    fields = {s: recovered.stress_field_of_groove_patch(setup, meshes, u[s], 0, s, forces) for s in SIDES}
     return setup, meshes, result, forces, u, fields, recovered.stress_fields_of_ball(setup, meshes, 0, forces)
 
 
@@ -70,13 +70,13 @@ class TestStress:
 
     def test_below_a_hertz_contact(self):
         """Johnson, Contact Mechanics (1985), 4.2: a sphere; nearly a line contact, 0.558 p0 at 0.704 b."""
-        sphere = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
-        line = hertz(100.0, 1.0, 5e-3, 210e9, 0.3)
+        sphere = solve_hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
+        line = solve_hertz(100.0, 1.0, 5e-3, 210e9, 0.3)
         for h, depth, share, close in (
             (sphere, 0.481 * sphere.semi_x, 0.620, 2e-3),
             (line, 0.704 * line.semi_y, 0.558, 0.01),
         ):
-            assert recovered.hertz_von_mises(h, np.array([depth]), 0.3)[0] == pytest.approx(
+            assert recovered.von_mises_below_hertz_contact(h, np.array([depth]), 0.3)[0] == pytest.approx(
                 share * h.pole_pressure, rel=close
             )
 
@@ -90,8 +90,8 @@ class TestRecovered:
         patch, body = setup.patches[side].groove, meshes.screw if side < 2 else meshes.nut
         mesh, steel = recovered.mesh_groove_patch(setup, meshes, side), setup.scene.screw.material
         fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
-        nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact], patch.normals)
-        found = normalise_rows_of_weights(mesh.weights) @ nodal
+        nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact_nodes], patch.normals)
+        found = normalise_weight_rows(mesh.pressure_weights) @ nodal
         c, s = np.cos(setup.layout.azimuth[0]), np.sin(setup.layout.azimuth[0])
         trace = u[side][body.socket_nodes[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         assert relative(found, fine.A @ forces[side][0] + fine.H @ trace.ravel()) < 1e-7
@@ -111,8 +111,8 @@ class TestRecovered:
         for s in SIDES:
             mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches[s].ball.normals
             fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
-            nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact], normals)
-            found.append(normalise_rows_of_weights(mesh.weights) @ nodal)
+            nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact_nodes], normals)
+            found.append(normalise_weight_rows(mesh.pressure_weights) @ nodal)
             patches.append(fine.A @ forces[s][0])
         assert relative(np.concatenate(found), np.concatenate(patches) + body) < 2e-3
 
@@ -120,11 +120,11 @@ class TestRecovered:
         setup, meshes, _, forces, _, _, _ = case
         beyond = small_screw(2, 0.2, load_at=0.19)
         with pytest.raises(ValueError, match="190 mm"):
-            recovered.screw_displacement(setup, meshes.screw, forces, beyond)
+            recovered.nodal_displacements_of_screw(setup, meshes.screw, forces, beyond)
         with pytest.raises(ValueError, match="got a force of 0 N"):
-            recovered.contact_pressure(setup.scene, setup.map, 0, setup.patches[0].groove, 0.0 * forces[0][0])
+            recovered.pressure_from_nodal_forces(setup.scene, setup.map, 0, setup.patches[0].groove, 0.0 * forces[0][0])
         with pytest.raises(ValueError, match="ball 1 carries no load"):
-            recovered.ball_contact_pressures(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))
+            recovered.contact_pressures_of_ball(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))
 
     def test_stress_fades_away_from_the_contact(self, case):
         setup, meshes, _, _, u, fields, _ = case
@@ -136,25 +136,29 @@ class TestPressure:
     @pytest.mark.parametrize("side", SIDES)
     def test_adds_up_to_the_load_and_is_near_hertz(self, case, side):
         setup, _, result, forces, _, _, _ = case
-        found = recovered.contact_pressure(setup.scene, setup.map, side, setup.patches[side].groove, forces[side][0])
-        assert found.pressure @ found.areas == pytest.approx(forces[side][0].sum(), rel=1e-12)
+        found = recovered.pressure_from_nodal_forces(
+            setup.scene, setup.map, side, setup.patches[side].groove, forces[side][0]
+        )
+        assert found.pressure @ found.nodal_areas == pytest.approx(forces[side][0].sum(), rel=1e-12)
         assert found.load == pytest.approx(result.load[0, side], rel=1e-4)
-        assert found.load == pytest.approx(found.pressure @ found.areas, rel=0.02)  # normals turn over the ellipse
-        assert found.pressure.max() == pytest.approx(found.hertz.pole_pressure, rel=0.10)
+        assert found.load == pytest.approx(found.pressure @ found.nodal_areas, rel=0.02)  # normals turn over the ellipse
+        assert found.pressure.max() == pytest.approx(found.hertz_solution.pole_pressure, rel=0.10)
 
     def test_largest_stress_below_the_contact_is_near_hertz(self, case):
         setup, _, _, forces, _, fields, ball = case
         for s in SIDES:
-            h = recovered.contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0]).hertz
+            h = recovered.pressure_from_nodal_forces(
+                setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0]
+            ).hertz_solution
             depth = np.linspace(0.2, 1.6, 57) * min(h.semi_x, h.semi_y)
-            expected = float(recovered.hertz_von_mises(h, depth, 0.28).max())
+            expected = float(recovered.von_mises_below_hertz_contact(h, depth, 0.28).max())
             assert 0.55 * h.pole_pressure < expected < 0.65 * h.pole_pressure
             for piece in (fields[s], ball[s]):
                 assert piece.von_mises.max() == pytest.approx(expected, rel=0.10)
 
     def test_curvatures_are_those_of_the_grid_on_the_screw(self):
         scene = small_screw()
-        m = GrooveMap.of(scene)
+        m = GrooveMap.from_scene(scene)
         across, along = m.relative_curvature_radii(0, m.beta)
         assert across == pytest.approx(1.0 / (1.0 / 2.778e-3 - 1.0 / 3.254e-3))
         assert along < scene.balls.radius < m.relative_curvature_radii(3, m.beta)[1]
@@ -163,9 +167,9 @@ class TestPressure:
         """On cells that grow faster outside the contact zone, of fewer modes."""
         setup, _, result, forces, _, _, _ = case
         settings = replace(setup.settings, growth=2.5, ball_fine=1.2e-3, modes=12, ball_modes=12)
-        found = recovered.ball_contact_pressures(setup.scene, settings, 0, result.load[0], result.contact_angle[0])
+        found = recovered.contact_pressures_of_ball(setup.scene, settings, 0, result.load[0], result.contact_angle[0])
         assert sorted(found) == list(SIDES)
         for s in SIDES:
-            whole = recovered.contact_pressure(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0])
+            whole = recovered.pressure_from_nodal_forces(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0])
             assert found[s].load == pytest.approx(whole.load, rel=1e-4)
             assert found[s].pressure.max() == pytest.approx(whole.pressure.max(), rel=0.05)

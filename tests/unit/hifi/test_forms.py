@@ -7,14 +7,14 @@ from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, force, space
 
-from rollbench.hifi.bodies.coarse import nodal_forces_like_rigid_motions
+from rollbench.hifi.bodies.coarse import body_forces_like_rigid_motions
 from rollbench.hifi.elements import forms
 from rollbench.hifi.elements.forms import (
-    CurvedMap,
+    CachedIsoparametricMap,
     assemble_constant_form,
+    constant_coefficients_of_form,
     elasticity_form,
     face_basis,
-    form_coefficients,
     isotropic_stress_law,
     nodal_areas,
     stiffness_quadrature,
@@ -22,7 +22,7 @@ from rollbench.hifi.elements.forms import (
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.meshes.fem import (
     build_mesh,
-    freedoms_on_boundaries,
+    degrees_of_freedom_on_boundaries,
     mesh_rectangular_grid,
     node_coordinates,
     nodes_on_boundaries,
@@ -76,12 +76,12 @@ def test_forms_that_the_fast_assembly_cannot_evaluate_are_refused(curved):
     with pytest.raises(ValueError, match="gradients alone"):
         assemble_constant_form(BilinearForm(lambda u, v, _: dot(u, v)), curved)
     with pytest.raises(AttributeError):
-        form_coefficients(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
+        constant_coefficients_of_form(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
 
 
 def test_curved_map_is_scikit_fems(curved):
     X = np.random.default_rng(0).uniform(0.05, 0.3, (3, 5))
-    ours, theirs = CurvedMap(curved), curved.mapping()
+    ours, theirs = CachedIsoparametricMap(curved), curved.mapping()
     cells = np.array([1, 3])
     for tind in (None, cells):
         np.testing.assert_allclose(ours.F(X, tind), theirs.F(X, tind), atol=1e-14)
@@ -123,7 +123,7 @@ def test_rigid_motions_strain_nothing_and_nothing_else_does(curved):
 def test_patch_test_on_curved_cells(curved):
     exact = (node_coordinates(curved) @ LINEAR.T).ravel()
     K = assemble_constant_form(elasticity_form(E, NU), curved).tocsr()
-    held = freedoms_on_boundaries(curved, "all")
+    held = degrees_of_freedom_on_boundaries(curved, "all")
     loose = np.setdiff1d(np.arange(len(exact)), held)
     u = exact.copy()
     u[loose] = spsolve(K[loose][:, loose].tocsc(), -K[loose][:, held] @ u[held])
@@ -166,7 +166,7 @@ def test_loads_and_areas_have_the_right_resultants(curved):
         return lambda x: nodal_displacements_of_rigid_motions(x.reshape(3, -1).T)[:, k].reshape(-1, 3).T.reshape(x.shape)
 
     wanted = np.array([force(motion(k)).assemble(space(curved)) for k in range(6)])
-    np.testing.assert_allclose(nodal_forces_like_rigid_motions(curved), wanted, atol=1e-14 * np.abs(wanted).max())
+    np.testing.assert_allclose(body_forces_like_rigid_motions(curved), wanted, atol=1e-14 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("kind", ["P2", "Q2"])

@@ -12,7 +12,7 @@ from rollbench.meshes.groove_map import GrooveMap
 
 SCENE = catalogue.scene("lin-case1")
 STEEL = SCENE.screw.material
-MAP = GrooveMap.of(SCENE)
+MAP = GrooveMap.from_scene(SCENE)
 LAND = SCENE.screw.outer_diameter / 2.0
 COARSE = (12, 6, 6)
 
@@ -39,7 +39,7 @@ def test_a_shaft_with_a_scratch_is_plain(bore: float) -> None:
 
 
 def test_the_hand_turns_the_coupling_of_stretch_and_twist_alone() -> None:
-    left = GrooveMap.of(replace(SCENE, track=replace(SCENE.track, hand="left")))
+    left = GrooveMap.from_scene(replace(SCENE, track=replace(SCENE.track, hand="left")))
     (right_A, right_EI), (left_A, left_EI) = (stiffness_of_grooved_shaft(m, LAND, 0.0, STEEL, COARSE) for m in (MAP, left))
     np.testing.assert_allclose(left_A * [[1, -1], [-1, 1]], right_A, rtol=1e-9)
     assert left_EI == pytest.approx(right_EI, rel=1e-9)
@@ -74,7 +74,7 @@ def test_3d_shafts_converge_to_it() -> None:
 
 
 def test_impossible_dimensions_are_refused() -> None:
-    four = GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4)))
+    four = GrooveMap.from_scene(replace(SCENE, track=replace(SCENE.track, starts=4)))
     for m, bore, why in ((four, 0.0, "overlap"), (MAP, LAND - 1e-3, "bore")):
         with pytest.raises(ValueError, match=why):
             stiffness_of_grooved_shaft(m, LAND, bore, STEEL)

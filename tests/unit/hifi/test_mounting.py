@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.elements.rigid import rigid_motion_transfer_matrix
-from rollbench.hifi.shaft.beam import Frame, beam_stiffness, round_section
+from rollbench.hifi.elements.rigid import rigid_motion_transfer_along_z
+from rollbench.hifi.shaft.beam import ShaftSupports, beam_stiffness, round_section
 from rollbench.hifi.shaft.mounting import (
-    Stretch,
+    MeshedShaftPart,
     correct_beam_stiffness,
-    find_unconstrained_motions,
-    mount_stretch,
-    replace_stretch_by_beam,
+    find_unconstrained_rigid_motions,
+    replace_shaft_part_by_beam,
+    support_shaft_part,
 )
-from rollbench.hifi.shaft.section import lower_cut_flexibility, upper_cut_flexibility
+from rollbench.hifi.shaft.section import flexibility_of_lower_cut_end, flexibility_of_upper_cut_end
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import FREEDOMS, Load, Support
 
@@ -29,8 +29,8 @@ LOW, HIGH = 0.35, 0.45
 
 def stretch(ports=(HIGH,), observers=(0.4,)):
     """A stretch that is itself a beam; every contact has the six motions of its section as modes."""
-    empty = Stretch(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
-    return replace_stretch_by_beam(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
+    empty = MeshedShaftPart(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
+    return replace_shaft_part_by_beam(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
 
 
 def whole_beam(scene, stations):
@@ -73,69 +73,71 @@ SCENES = {
 def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
     supports, loads = SCENES[name]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = mount_stretch(stretch(), scene, SECTION)
+    found = support_shaft_part(stretch(), scene, SECTION)
     G, U = whole_beam(scene, [float(z) for z in STATIONS])
     scale = np.tile(np.r_[np.ones(3), np.full(3, 0.016)], 4)
     close(found.G * np.outer(scale, scale), G * np.outer(scale, scale))
-    close(found.loads * scale, U * scale, 1e-8)
-    assert found.motions.shape == (6, 0)
+    close(found.mode_displacements_by_loads * scale, U * scale, 1e-8)
+    assert found.free_motions.shape == (6, 0)
 
 
 def test_a_station_inside_the_stretch_has_a_port():
     scene = replace(CASE, supports=(Support(0.0, CLAMPED),), loads=(Load(0.4, (1e3, 0.0, 0.0)),))
     with pytest.raises(ValueError, match="400 mm lies inside"):
-        mount_stretch(stretch(), scene, SECTION)
-    found = mount_stretch(stretch(ports=(HIGH, 0.4)), scene, SECTION)
+        support_shaft_part(stretch(), scene, SECTION)
+    found = support_shaft_part(stretch(ports=(HIGH, 0.4)), scene, SECTION)
     _, U = whole_beam(scene, [float(z) for z in STATIONS])
-    close(found.loads, U, 1e-8)
+    close(found.mode_displacements_by_loads, U, 1e-8)
 
 
 def test_centreline_by_loads_and_by_contact_forces():
     supports, loads = SCENES["clamped left, guided right"]
     scene = replace(CASE, supports=supports, loads=loads)
-    found = mount_stretch(stretch(), scene, SECTION)
-    nodes = [*found.stations]
+    found = support_shaft_part(stretch(), scene, SECTION)
+    nodes = [*found.centreline_positions]
     _, U = whole_beam(scene, nodes)
-    close(found.line[:, :3].ravel(), U.reshape(-1, 6)[:, :3].ravel(), 1e-8)
+    close(found.centreline_by_loads[:, :3].ravel(), U.reshape(-1, 6)[:, :3].ravel(), 1e-8)
     both, _ = whole_beam(scene, nodes + [float(z) for z in STATIONS])
     by_modes = both[: 6 * len(nodes), 6 * len(nodes) :]
     translations = np.arange(6 * len(nodes)).reshape(-1, 6)[:, :3].ravel()
-    close(found.line_modes.reshape(-1, 24)[translations][:, ::6], by_modes[translations][:, ::6], 1e-8)
+    close(found.centreline_by_modal_forces.reshape(-1, 24)[translations][:, ::6], by_modes[translations][:, ::6], 1e-8)
 
 
 def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
     scene = replace(CASE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(Load(0.8, (0.0, 4.0, 9.0)),))
-    found = mount_stretch(stretch(), scene, SECTION)
-    assert found.motions.shape == (6, 5)
-    arm = 0.8 - found.origin
+    found = support_shaft_part(stretch(), scene, SECTION)
+    assert found.free_motions.shape == (6, 5)
+    arm = 0.8 - found.origin_position
     wrench = np.array([0.0, 4.0, 9.0, -4.0 * arm, 0.0, 0.0])
-    np.testing.assert_allclose(found.work, found.motions.T @ wrench, atol=1e-12)
-    held = [rigid_motion_transfer_matrix(0.0 - found.origin)[5]]
-    np.testing.assert_allclose(held @ found.motions, 0.0, atol=1e-15)
-    assert np.linalg.matrix_rank(find_unconstrained_motions(Frame.from_scene(scene), 0.0)) == 5
+    np.testing.assert_allclose(found.work_on_free_motions, found.free_motions.T @ wrench, atol=1e-12)
+    held = [rigid_motion_transfer_along_z(0.0 - found.origin_position)[5]]
+    np.testing.assert_allclose(held @ found.free_motions, 0.0, atol=1e-15)
+    assert np.linalg.matrix_rank(find_unconstrained_rigid_motions(ShaftSupports.from_scene(scene), 0.0)) == 5
 
 
 def test_a_ring_on_a_stiff_shaft_follows_its_bore():
     F = np.diag(np.full(6, 1e-9))
-    ring = Stretch(F, np.eye(6), 0.4, (), (), (0.39, 0.41), 6, rigid=True)
+    ring = MeshedShaftPart(F, np.eye(6), 0.4, (), (), (0.39, 0.41), 6, moves_with_base=True)
     fixed = tuple(zip(FREEDOMS, (1e-6, 0.0, 0.0, 0.0, 2e-3, 0.0), strict=True))
     scene = replace(CASE, supports=(Support(0.45, fixed),), loads=())
-    found = mount_stretch(ring, scene, SECTION)
+    found = support_shaft_part(ring, scene, SECTION)
     np.testing.assert_allclose(found.G, F)
-    np.testing.assert_allclose(found.loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15)
+    np.testing.assert_allclose(
+        found.mode_displacements_by_loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("ends", [0.0, 1e-9])
 def test_a_mesh_that_is_too_stiff_is_made_as_stiff_as_its_section(ends):
     """A beam of another section, with cuts that yield at its ends: the right beam, and the cuts as they were."""
-    m, rows, cut = GrooveMap.of(CASE), np.broadcast_to(np.eye(6), (4, 6, 6)), ends * np.eye(6)
+    m, rows, cut = GrooveMap.from_scene(CASE), np.broadcast_to(np.eye(6), (4, 6, 6)), ends * np.eye(6)
     stiff = replace(SECTION, EA=1.02 * SECTION.EA, EI=1.013 * SECTION.EI, GJ=1.008 * SECTION.GJ)
 
     def with_cuts(section):
-        beam = replace_stretch_by_beam(rows, STATIONS, stretch(), section)
-        F = beam.F + beam.B @ lower_cut_flexibility(cut, m, LOW) @ beam.B.T
-        end = slice(beam.modes, beam.modes + 6)
-        F[end, end] += upper_cut_flexibility(cut, m, HIGH)
+        beam = replace_shaft_part_by_beam(rows, STATIONS, stretch(), section)
+        F = beam.F + beam.B @ flexibility_of_lower_cut_end(cut, m, LOW) @ beam.B.T
+        end = slice(beam.mode_count, beam.mode_count + 6)
+        F[end, end] += flexibility_of_upper_cut_end(cut, m, HIGH)
         return replace(beam, F=F)
 
     found, wanted = correct_beam_stiffness(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)

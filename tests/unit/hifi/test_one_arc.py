@@ -9,7 +9,7 @@ from tests.unit.statics.test_one_arc import bearing
 
 from rollbench.compare.reference.tasks import flanks_to_mesh
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.setup import prepare
+from rollbench.hifi.setup import mesh_and_condense_geometry
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Support
@@ -31,11 +31,11 @@ def test_loads_are_those_of_elastic_rings() -> None:
     )
     sides = flanks_to_mesh(scene)
     assert sides == (0, 3)
-    found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
+    found, low = solve_reference(mesh_and_condense_geometry(scene, sides, COARSE), scene), solve_elastic(scene)
     assert found.status == "converged"
-    np.testing.assert_allclose(found.load[:, [0, 3]], low.load[:, [0, 3]], rtol=0.03)  # a coarse mesh
-    np.testing.assert_allclose(found.contact_angle[:, 0], low.contact_angle[:, 0], atol=np.radians(0.3))
-    assert not found.load[:, 1:3].any()
+    np.testing.assert_allclose(found.contact_loads[:, [0, 3]], low.load[:, [0, 3]], rtol=0.03)  # a coarse mesh
+    np.testing.assert_allclose(found.contact_angles[:, 0], low.contact_angle[:, 0], atol=np.radians(0.3))
+    assert not found.contact_loads[:, 1:3].any()
 
 
 @pytest.mark.slow
@@ -52,19 +52,19 @@ def test_a_row_that_carries_thrust_one_way_meets_the_bottom_of_its_groove(way: s
         balls=replace(scene.balls, azimuths=(-0.4, 0.5)),
         supports=(Support(0.008, (("ux", 8e-6), ("uy", 0.0), ("uz", off), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),),
     )
-    found, low = solve_reference(prepare(scene, sides, COARSE), scene), solve_elastic(scene)
+    found, low = solve_reference(mesh_and_condense_geometry(scene, sides, COARSE), scene), solve_elastic(scene)
     assert found.status == "converged"
     used = list(sides)
-    np.testing.assert_allclose(found.load[:, used], low.load[:, used], rtol=0.05)  # a coarse mesh
-    np.testing.assert_allclose(found.contact_angle[:, used[0]], low.contact_angle[:, used[0]], atol=np.radians(0.3))
-    assert not np.delete(found.load, used, axis=1).any()
+    np.testing.assert_allclose(found.contact_loads[:, used], low.load[:, used], rtol=0.05)  # a coarse mesh
+    np.testing.assert_allclose(found.contact_angles[:, used[0]], low.contact_angle[:, used[0]], atol=np.radians(0.3))
+    assert not np.delete(found.contact_loads, used, axis=1).any()
 
 
 @pytest.mark.parametrize("way", ["+z", "-z"])
 def test_the_section_of_one_arc_is_even_about_its_own_middle(way: str) -> None:
     scene = bearing(15.0, 1.0, 0.0)
     scene = replace(scene, track=replace(scene.track, arcs=way))
-    m = GrooveMap.of(scene)
+    m = GrooveMap.from_scene(scene)
     for side in m.flanks_of_single_arc:
         land = scene.screw.outer_diameter / 2.0 if side < 2 else 2.0 * m.R - scene.screw.outer_diameter / 2.0
         low, high = section_angles_of_flank(m, side, land)

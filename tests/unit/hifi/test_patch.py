@@ -11,14 +11,19 @@ from tests.fe_meshes import boundary, stiffness, strain_stress
 from tests.helpers import relative
 from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
-from rollbench.hifi.bodies.coarse import Socket, assemble_body_stiffness, convert_mesh_order, freedoms_of_nodes
+from rollbench.hifi.bodies.coarse import (
+    BodySocket,
+    assemble_body_stiffness,
+    convert_mesh_order,
+    degrees_of_freedom_of_nodes,
+)
 from rollbench.hifi.bodies.patch import (
     condense_patch,
     fit_tetrahedral_patch,
     nodal_displacements_of_patch,
     socket_interpolation_matrix,
 )
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.elements.forms import normalise_weight_rows
 from rollbench.hifi.elements.rigid import nodal_displacements_of_rigid_motions
 from rollbench.meshes.fem import node_coordinates
 from rollbench.meshes.tet_patch import SUB_TRIANGLES, mesh_patch_with_tetrahedra, patch_as_in_thesis
@@ -54,10 +59,10 @@ def test_tie_reproduces_the_socket_s_functions_and_takes_no_point_off_it(linear)
 def test_interface_lies_on_the_socket(kind):
     """Inside the flat triangles between three of its nodes, or on its second-order ones."""
     mesh, linear = patch(kind)[0], kind == "P1"
-    weights = mesh.tie.toarray()
+    weights = mesh.interface_weights.toarray()
     assert (np.abs(weights) > 1e-9).sum(axis=1).max() == (3 if linear else 6)
     assert (weights.min() > -1e-6) == linear
-    np.testing.assert_allclose(mesh.points[mesh.interface], weights @ places(0)["groove"][0](socket().xi), rtol=1e-14)
+    np.testing.assert_allclose(mesh.points[mesh.interface_nodes], weights @ places(0)["groove"][0](socket().xi), rtol=1e-14)
 
 
 @pytest.mark.parametrize("where", ["groove", "ball"])
@@ -69,9 +74,9 @@ def test_rigid_motions_strain_nothing(kind, where):
     motions = nodal_displacements_of_rigid_motions(places(0)[where][0](socket().xi), middle) / unit
     scale = np.abs(c.S).max() * np.abs(motions).max()
     assert np.abs(c.S @ motions).max() < 1e-12 * scale
-    at_contact = nodal_displacements_of_rigid_motions(mesh.points[mesh.contact], middle) / unit
+    at_contact = nodal_displacements_of_rigid_motions(mesh.points[mesh.contact_nodes], middle) / unit
     expected = np.einsum("ci,cim->cm", normals, at_contact.reshape(-1, 3, 6))
-    np.testing.assert_allclose(c.H @ motions, normalise_rows_of_weights(mesh.weights) @ expected, atol=1e-11)
+    np.testing.assert_allclose(c.H @ motions, normalise_weight_rows(mesh.pressure_weights) @ expected, atol=1e-11)
     u = nodal_displacements_of_patch(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
     np.testing.assert_allclose(
         u.ravel(), nodal_displacements_of_rigid_motions(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11
@@ -89,22 +94,22 @@ def test_condensed_is_the_full_system_and_definite(kind):
     assert np.linalg.eigvalsh(c.A)[0] > 0.0
     rng = np.random.default_rng(1)
     f, q = 100.0 * rng.random(len(normals)), 1e-6 * rng.standard_normal(c.S.shape[0])
-    n, k = len(mesh.points), mesh.tie.shape[1]
-    loose = np.setdiff1d(np.arange(n), mesh.interface)
+    n, k = len(mesh.points), mesh.interface_weights.shape[1]
+    loose = np.setdiff1d(np.arange(n), mesh.interface_nodes)
     place = sp.lil_matrix((n, loose.size + k))  # nodes from inner nodes and socket nodes
     place[loose, np.arange(loose.size)] = 1.0
-    place[mesh.interface, loose.size :] = mesh.tie
+    place[mesh.interface_nodes, loose.size :] = mesh.interface_weights
     C = sp.kron(place, sp.identity(3)).tocsc()
-    K = (C.T @ stiffness(mesh.points, mesh.cells, mesh.kind, E, NU) @ C).tocsc()
+    K = (C.T @ stiffness(mesh.points, mesh.cells, mesh.element_type, E, NU) @ C).tocsc()
     load = np.zeros((n, 3))
-    mean = normalise_rows_of_weights(mesh.weights)
-    load[mesh.contact] = (mean.T @ f)[:, None] * normals
+    mean = normalise_weight_rows(mesh.pressure_weights)
+    load[mesh.contact_nodes] = (mean.T @ f)[:, None] * normals
     right = C.T @ load.ravel()
     i = 3 * loose.size
     inner = sp.linalg.spsolve(K[:i, :i], right[:i] - K[:i, i:] @ q)
     whole = np.concatenate([inner, q])
     u = (C @ whole).reshape(-1, 3)
-    assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact] * normals).sum(axis=1)) < 1e-10
+    assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact_nodes] * normals).sum(axis=1)) < 1e-10
     reaction = (K @ whole)[i:]
     assert relative(c.S @ q - c.H.T @ f, reaction) < 1e-10
     assert relative(nodal_displacements_of_patch(mesh, normals, E, NU, f, q), u) < 1e-10
@@ -120,7 +125,7 @@ def in_the_cube(*, conforming=True):
     """First-order patch in the block of the holed cube; the zone is loaded along z."""
     box = patch_as_in_thesis((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
     mesh = fit_tetrahedral_patch(mesh_patch_with_tetrahedra(box, socket() if conforming else None), flat, socket())
-    return mesh, condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact), 1)), 1.0, NU)
+    return mesh, condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact_nodes), 1)), 1.0, NU)
 
 
 def test_constant_strain_through_a_first_order_patch():
@@ -128,16 +133,16 @@ def test_constant_strain_through_a_first_order_patch():
     body, nodes, target = holed_cube()
     points = node_coordinates(body)
     mesh, c = in_the_cube()
-    K = assemble_body_stiffness(convert_mesh_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
+    K = assemble_body_stiffness(convert_mesh_order(body, "P1"), [BodySocket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
     exact = points @ SLOPE.T
-    held = freedoms_of_nodes(np.setdiff1d(boundary(points), nodes))
+    held = degrees_of_freedom_of_nodes(np.setdiff1d(boundary(points), nodes))
     loose = np.setdiff1d(np.arange(K.shape[0]), held)
     u = exact.ravel().copy()
     u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
     assert relative(u.reshape(-1, 3), exact) < 1e-11
-    q = u[freedoms_of_nodes(nodes)]
-    moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
-    assert relative(c.H @ q, normalise_rows_of_weights(mesh.weights) @ moved) < 1e-11
+    q = u[degrees_of_freedom_of_nodes(nodes)]
+    moved = (mesh.points[mesh.contact_nodes] @ SLOPE.T)[:, 2]
+    assert relative(c.H @ q, normalise_weight_rows(mesh.pressure_weights) @ moved) < 1e-11
     whole = nodal_displacements_of_patch(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
     assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
     # each side's reaction is that of the constant stress on the socket's own first-order triangles

@@ -9,7 +9,7 @@ from tests.patch_meshes import MAP, NU, SEMI, WIDTH, ZONE, E, condensed, lines, 
 
 from rollbench.hifi.bodies.patch import fit_tetrahedral_patch, mesh_hexahedral_patch, nodal_displacements_of_patch
 from rollbench.hifi.elements import forms
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
+from rollbench.hifi.elements.forms import normalise_weight_rows
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
 
@@ -23,16 +23,20 @@ def indentation(kind, where, fine=None, b_over_h=None):
         axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]
         axes = [x[np.abs(x) < half + 1e-9] for x, half in zip(axes, ZONE, strict=True)]
         local = np.stack(np.meshgrid(axes[0], 0.0, axes[1], indexing="ij"), -1).reshape(-1, 3)
-        arms = mesh.points[mesh.contact] - centre
+        arms = mesh.points[mesh.contact_nodes] - centre
         normals = arms / np.linalg.norm(arms, axis=1)[:, None]
     else:
         mesh, normals = patch(kind, where, fine=fine)
-        local = tets(fine).xi[mesh.contact]
+        local = tets(fine).xi[mesh.contact_nodes]
     a, b = SEMI
     f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
     f *= 225.0 / f.sum()
-    u = nodal_displacements_of_patch(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
-    return 1e6 * float(f @ normalise_rows_of_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
+    u = nodal_displacements_of_patch(mesh, normals, E, NU, f, np.zeros(3 * mesh.interface_weights.shape[1]))
+    return (
+        1e6
+        * float(f @ normalise_weight_rows(mesh.pressure_weights) @ (u[mesh.contact_nodes] * normals).sum(axis=1))
+        / 225.0
+    )
 
 
 @pytest.mark.parametrize("where", ["groove", "ball"])
@@ -56,7 +60,7 @@ def test_cells_fill_the_patch(where, side):
     hexa, tetra = patch("Q2", where, side)[0], patch("P1", where, side, 0.08e-3)[0]
     assert jacobians(tetra.points, tetra.cells, "P1").min() > 0.0
     assert jacobians(hexa.points, hexa.cells, "Q2").min() > 0.0
-    first, second = (volume(x.points, x.cells, x.kind) for x in (hexa, tetra))
+    first, second = (volume(x.points, x.cells, x.element_type) for x in (hexa, tetra))
     assert second == pytest.approx(first, rel=0.01)
 
 
@@ -79,7 +83,7 @@ def test_contact_nodes_of_ball_and_groove_coincide(side):
     groove = patch("P1", "groove", side)[1]
     local = tets(0.16e-3, "turned")
     mesh = fit_tetrahedral_patch(local, places(side)["ball"][0], socket(turned=True))
-    ball = mesh.points[mesh.contact]
+    ball = mesh.points[mesh.contact_nodes]
     np.testing.assert_allclose(ball / np.linalg.norm(ball, axis=1)[:, None], groove, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)
 
@@ -89,11 +93,11 @@ def test_contact_nodes_of_ball_and_groove_coincide(side):
 def test_contact_weights_share_out_the_zone(kind, where):
     """Inside the rim their sums over pressures are the areas of the displacements' own functions."""
     mesh, _, c = condensed(kind, where)
-    assert c.weights.shape == (len(c.areas),) * 2
-    assert (abs(c.weights - mesh.weights)).max() == 0.0
-    over = np.asarray(mesh.weights.sum(axis=0)).ravel()
+    assert c.pressure_weights.shape == (len(c.nodal_areas),) * 2
+    assert (abs(c.pressure_weights - mesh.pressure_weights)).max() == 0.0
+    over = np.asarray(mesh.pressure_weights.sum(axis=0)).ravel()
     assert over.sum() == pytest.approx(mesh.areas.sum(), rel=1e-12)
-    nodal = forms.nodal_areas(mesh.mesh, "surface")[mesh.contact]
-    np.testing.assert_allclose(over[~mesh.rim], nodal[~mesh.rim], rtol=1e-6)
-    assert (over[mesh.rim] < nodal[mesh.rim]).all()
-    assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
+    nodal = forms.nodal_areas(mesh.mesh, "surface")[mesh.contact_nodes]
+    np.testing.assert_allclose(over[~mesh.on_zone_edge], nodal[~mesh.on_zone_edge], rtol=1e-6)
+    assert (over[mesh.on_zone_edge] < nodal[mesh.on_zone_edge]).all()
+    assert np.asarray(mesh.pressure_weights.sum(axis=1)).min() > 0.0

@@ -21,11 +21,11 @@ def test_a_helical_motion_of_the_screw_changes_no_load(small):
     turned = replace(small.scene, supports=(replace(first, fixed=held), *small.scene.supports[1:]))
     result = reference.solve_reference(small, turned)
     assert result.status == "converged"
-    assert result.updates <= 5  # by the middle of the pressures, which sticks to so few nodes, it were 12
-    np.testing.assert_allclose(result.load, at_rest.load, rtol=0, atol=1e-4 * at_rest.load.max())
-    across = np.nan_to_num(result.contact_angle - at_rest.contact_angle)
+    assert result.normal_update_count <= 5  # by the middle of the pressures, which sticks to so few nodes, it were 12
+    np.testing.assert_allclose(result.contact_loads, at_rest.contact_loads, rtol=0, atol=1e-4 * at_rest.contact_loads.max())
+    across = np.nan_to_num(result.contact_angles - at_rest.contact_angles)
     assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
-    axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(small.map.alpha)
+    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(small.map.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
 
 
@@ -35,11 +35,11 @@ def test_loads_that_did_not_settle_say_what_they_may_still_move_by(small):
         small.scene, supports=(Support(0.0, small.scene.supports[0].fixed), Support(60e-3, (("ux", 5e-6), ("uy", 0.0))))
     )
     whole = reference.solve_reference(small, turned)
-    assert (whole.status, whole.moving) == ("converged", 0.0)
-    assert whole.updates <= 3
+    assert (whole.status, whole.remaining_load_change) == ("converged", 0.0)
+    assert whole.normal_update_count <= 3
     few = reference.solve_reference(small, turned, updates=1)
     assert few.status.startswith("not settled: loads may still move by")
-    assert 0.0 < np.abs(few.load - whole.load).max() <= few.moving < np.inf
+    assert 0.0 < np.abs(few.contact_loads - whole.contact_loads).max() <= few.remaining_load_change < np.inf
 
 
 @pytest.mark.slow

@@ -20,9 +20,9 @@ def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small
         "nut": replace(small.nut, modes={2: small.nut.modes[3]}),
     }
     other = replace(small, sides=(1, 2), **named)
-    one, two = (coupling.mount_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
+    one, two = (coupling.compliance_of_supported_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
     np.testing.assert_array_equal(one.G, two.G)
-    shaft = coupling.mount_screw(small, small.scene).G
+    shaft = coupling.compliance_of_supported_screw(small, small.scene).G
     assert one.G.shape == shaft.shape
     assert not np.allclose(one.G, shaft, rtol=1e-6, atol=0.0)
 
@@ -31,17 +31,17 @@ def test_balance_and_that_what_is_left_out_changes_the_answer(small):
     """No force acts along the groove; a wrong name is refused."""
     result = reference.solve_reference(small, small.scene)
     assert result.status == "converged"
-    assert result.balance < 1e-8
-    assert abs(result.along_groove) < 1e-3
-    assert result.screw_balance < 1e-8
+    assert result.unbalanced_ball_force < 1e-8
+    assert abs(result.unbalanced_force_along_groove) < 1e-3
+    assert result.unbalanced_shaft_force < 1e-8
     m = small.map
-    axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(m.alpha)
+    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(m.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
-    assert (result.load[:, [1, 2]] == 0.0).all()
+    assert (result.contact_loads[:, [1, 2]] == 0.0).all()
     for name in reference.INGREDIENTS:
         other = reference.solve_reference(small, small.scene, leave_out=frozenset([name]))
         assert other.status == "converged"
-        assert np.abs(other.load - result.load).max() > 1e-6 * result.load.max(), name
+        assert np.abs(other.contact_loads - result.contact_loads).max() > 1e-6 * result.contact_loads.max(), name
     with pytest.raises(ValueError, match="got elastic ball"):
         reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
 
@@ -60,20 +60,20 @@ def test_two_opposite_balls_without_lead_carry_the_same():
     sizes = {name: ratio * getattr(SMALL, name) for name in names}
     own = {"own_sizes": (sizes["fine"], sizes["coarse"]), "own_ball_sizes": (sizes["ball_fine"], sizes["ball_coarse"])}
     settings = replace(SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), modes=16, ball_modes=16, **sizes, **own)
-    set_up = setup.prepare(scene, (0, 3), settings)
+    set_up = setup.mesh_and_condense_geometry(scene, (0, 3), settings)
     result = reference.solve_reference(set_up, scene)
     assert result.status == "converged"
-    load = result.load[:, [0, 3]]
+    load = result.contact_loads[:, [0, 3]]
     assert np.ptp(load) < 1e-6 * load.mean()
-    assert load.mean() * 2.0 * np.sin(result.contact_angle[0, 0]) == pytest.approx(600.0, rel=5e-3)
+    assert load.mean() * 2.0 * np.sin(result.contact_angles[0, 0]) == pytest.approx(600.0, rel=5e-3)
 
 
 def test_ball_errors_and_lost_contact(small):
     errors = replace(small.scene.errors, balls=replace(small.scene.errors.balls, listed=((1, -60e-6),)))
     lost = reference.solve_reference(small, replace(small.scene, errors=errors))
-    assert lost.load[0, 0] == 0.0
-    assert lost.load[1, 0] > 400.0
-    assert np.isnan(lost.contact_angle[0, 0])
+    assert lost.contact_loads[0, 0] == 0.0
+    assert lost.contact_loads[1, 0] > 400.0
+    assert np.isnan(lost.contact_angles[0, 0])
 
 
 def test_a_lead_offset_is_the_pitch_error_of_the_nut_that_shifts_ball_2_alone(small):
@@ -85,6 +85,6 @@ def test_a_lead_offset_is_the_pitch_error_of_the_nut_that_shifts_ball_2_alone(sm
     scenes = [
         replace(small.scene, errors=e) for e in (replace(errors, lead_offset=shift), replace(errors, NL=pitch, NR=pitch))
     ]
-    found, wanted = (reference.solve_reference(small, s).load for s in scenes)
+    found, wanted = (reference.solve_reference(small, s).contact_loads for s in scenes)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * wanted.max())
-    assert abs(found - reference.solve_reference(small, small.scene).load).max() > 10.0
+    assert abs(found - reference.solve_reference(small, small.scene).contact_loads).max() > 10.0

@@ -12,15 +12,15 @@ from tests.two_balls import SMALL
 
 from rollbench.hifi import condensation, condensed, coupling, reference
 from rollbench.hifi.bodies import grid_wave
-from rollbench.hifi.bodies.coarse import freedoms_of_nodes, isostatic_freedoms
+from rollbench.hifi.bodies.coarse import degrees_of_freedom_of_nodes, select_isostatic_freedoms
 from rollbench.hifi.bodies.patch import mean_normal_displacement_matrix
-from rollbench.hifi.contact.balls import SolverState, compliance_of_single_ball, solve_contacts_of_all_balls
-from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, normalise_rows_of_weights
+from rollbench.hifi.contact.balls import SolverState, contact_compliance_of_single_ball, solve_contacts_of_all_balls
+from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form, normalise_weight_rows
 from rollbench.hifi.linear_algebra import symmetric_compliance_of_loads
 from rollbench.hifi.meshing import part_meshes
 from rollbench.hifi.meshing.part_meshes import ball_socket_and_map, sockets_at_contact_azimuths
 from rollbench.meshes import ball_body
-from rollbench.meshes.sockets import points_in_reference_socket
+from rollbench.meshes.sockets import points_in_box_at_azimuth_zero
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
 
@@ -40,14 +40,14 @@ def whole(body, patches, material, held):
     for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
         blocks.append(assemble_constant_form(elasticity_form(E, nu), mesh.mesh))
         C = sp.lil_matrix((3 * len(mesh.points), total))
-        C[freedoms_of_nodes(inner), start + np.arange(3 * len(inner))] = 1.0
+        C[degrees_of_freedom_of_nodes(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
-        C[np.ix_(freedoms_of_nodes(mesh.interface), freedoms_of_nodes(nodes))] = (
+        C[np.ix_(degrees_of_freedom_of_nodes(mesh.interface), degrees_of_freedom_of_nodes(nodes))] = (
             sp.kron(mesh.tie, sp.identity(3)) @ turn
         ).toarray()
         columns.append(C.tocsr())
         left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
-        loads.append(sp.hstack([left, hats[:, freedoms_of_nodes(inner)], right]))
+        loads.append(sp.hstack([left, hats[:, degrees_of_freedom_of_nodes(inner)], right]))
         start += 3 * len(inner)
     C = sp.vstack(columns).tocsr()
     K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
@@ -58,12 +58,12 @@ def whole(body, patches, material, held):
 def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
-    in_groove = partial(points_in_reference_socket, small.map, meshes.size, side)
+    in_groove = partial(points_in_box_at_azimuth_zero, small.map, meshes.size, side)
     place = ball_socket_and_map(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
     mesh = part_meshes.mesh_patch(meshes, body.sockets[side], place, SMALL)
-    carrier = part_meshes.mesh_load_transfer_patch(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.mesh_coarser_patch(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
-    normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
+    normals = (-1.0 if ball else 1.0) * part_meshes.contact_normals_of_patch(mesh, centre)
     return carrier, mean_normal_displacement_matrix(mesh, normals, carrier)
 
 
@@ -76,16 +76,19 @@ def bodies(small, meshes):
             0,
             meshes.screw,
             scene.screw.material,
-            condensation.expansion_of_free_screw_freedoms(meshes.screw, small.dims, high),
+            condensation.screw_freedoms_from_free_ones(meshes.screw, small.dims, high),
         ),
-        ("nut", 3, meshes.nut, scene.nut.material, condensation.expansion_of_free_nut_freedoms(meshes.nut, small.dims)),
+        ("nut", 3, meshes.nut, scene.nut.material, condensation.nut_freedoms_from_free_ones(meshes.nut, small.dims)),
     ):
         groove, hats = patch(small, meshes, side)
-        parts = [(groove, hats, s.nodes, s.rotation) for s in sockets_at_contact_azimuths(mesh, sockets_of(scene, (side,)))]
+        parts = [
+            (groove, hats, s.node_indices, s.rotation)
+            for s in sockets_at_contact_azimuths(mesh, sockets_of(scene, (side,)))
+        ]
         out[name] = whole(mesh.mesh, parts, material, held)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held, size = (
-        isostatic_freedoms(meshes.ball.points, np.concatenate([p[2] for p in parts])),
+        select_isostatic_freedoms(meshes.ball.points, np.concatenate([p[2] for p in parts])),
         meshes.ball.mesh.doflocs.size,
     )
     free = sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
@@ -117,17 +120,17 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
     found = bodies(small, meshes)
     sides = (0, 3)
-    mounted = coupling.mount_screw(small, small.scene)
+    mounted = coupling.compliance_of_supported_screw(small, small.scene)
     m = small.screw.stretch.modes
-    placed_set = coupling.PlacedSet(small, small.scene, sides)
+    placed_set = coupling.PlacedNut(small, small.scene, sides)
     C, rows = coupling.assemble_contact_compliance((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
-    beam = np.zeros((C.coupling.shape[0],) * 2)
+    beam = np.zeros((C.mode_compliance.shape[0],) * 2)
     beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[np.ix_(rows[pick], rows[pick])]
     n = [len(small.patches[s].groove.A) for s in sides]
     U = np.zeros((2 * sum(n), len(beam)))
-    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
+    for i, (V, c) in enumerate(zip(C.modes_by_ball, C.mode_slices_by_ball, strict=True)):
         U[i * sum(n) : (i + 1) * sum(n), c] = V
     exchanged = block_diag(*(small.patches[s].local - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
     dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
@@ -136,26 +139,28 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
         dense[np.ix_(rows_of_body, rows_of_body)] += found[name]
     normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
     length = np.linalg.norm(normals, axis=1)
-    mean = sp.block_diag([normalise_rows_of_weights(small.patches[s].groove.weights) for s in sides])
+    mean = sp.block_diag([normalise_weight_rows(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    by_screw = coupling.rigid_body_normal_motion(placed_set, directions, mounted.origin, screw=True).reshape(-1, 6)
+    by_screw = coupling.normal_motion_by_rigid_motions(placed_set, directions, mounted.origin_position, screw=True).reshape(
+        -1, 6
+    )
     by_screw = sp.block_diag([mean, mean]) @ by_screw
     directions = np.stack([mean @ d for d in directions])
-    N = coupling.gap_closing_matrix([directions], by_screw @ mounted.motions)
-    f = np.concatenate([np.zeros(6), mounted.work])
+    N = coupling.gap_closing_matrix([directions], by_screw @ mounted.free_motions)
+    f = np.concatenate([np.zeros(6), mounted.work_on_free_motions])
     frozen = reference.solve_reference(small, small.scene, updates=0)
-    start = SolverState(np.zeros(0), frozen.contact.motions * 1.01)
+    start = SolverState(np.zeros(0), frozen.contact_solution.rigid_motions * 1.01)
     by_loads = np.zeros(rows.size)
-    by_loads[pick] = mounted.loads[rows[pick]]
-    at_rest = coupling.normal_motion_by_modes(C, by_loads)
+    by_loads[pick] = mounted.mode_displacements_by_loads[rows[pick]]
+    at_rest = coupling.normal_motion_of_nodes(C, by_loads)
     other, _ = solve_contacts_of_all_balls(
-        compliance_of_single_ball(dense), gap + at_rest, N, f, start=start, tolerance=1e-12
+        contact_compliance_of_single_ball(dense), gap + at_rest, N, f, start=start, tolerance=1e-12
     )
     assert other.converged
     assert frozen.status == "converged"
-    largest = frozen.contact.forces.max()
-    np.testing.assert_allclose(other.forces, frozen.contact.forces, rtol=0, atol=1e-10 * largest)
+    largest = frozen.contact_solution.forces.max()
+    np.testing.assert_allclose(other.forces, frozen.contact_solution.forces, rtol=0, atol=1e-10 * largest)
 
 
 def test_own_approaches_of_condensed_bodies(small, monkeypatch):
@@ -164,25 +169,27 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
     Cells are wider here than the ellipse is thick.
     """
     forces = {s: condensed.sampled_contact_forces(small, s) for s in small.sides}
-    spreads = {s: condensed.hertz_nodal_forces(small, s, float(np.median(f))) for s, f in forces.items()}
+    spreads = {s: condensed.hertz_shares_of_nodes(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
         groove = small.patches[s].groove
-        nodal = normalise_rows_of_weights(groove.weights).T @ f
+        nodal = normalise_weight_rows(groove.weights).T @ f
         assert nodal @ (groove.normals @ ball_body.contact_frame_vectors(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.collect_condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
-    again = {s: condensed.hertz_nodal_forces(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    again = {s: condensed.hertz_shares_of_nodes(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
     np.testing.assert_allclose(
-        condensed.compliance_beyond_patches(small, again), condensed.compliance_beyond_patches(small, spreads), rtol=1e-12
+        condensed.contact_compliance_of_bodies(small, again),
+        condensed.contact_compliance_of_bodies(small, spreads),
+        rtol=1e-12,
     )
     for k, s in enumerate(small.sides):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)
         assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
-        approach = condensed.mean_approaches_of_patch_contact(small, s, loads)
+        approach = condensed.approaches_with_fixed_bodies(small, s, loads)
         assert np.all(np.diff(approach) > 0.0)
         # Hertz's 2/3, less what the held sockets take away
         assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
         with monkeypatch.context() as patch:
             patch.setattr(grid_wave, "MEAN", (12, 10))
-            assert condensed.mean_approaches_of_patch_contact(small, s, loads) == pytest.approx(approach, rel=8e-3)
+            assert condensed.approaches_with_fixed_bodies(small, s, loads) == pytest.approx(approach, rel=8e-3)

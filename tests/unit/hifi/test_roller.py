@@ -15,12 +15,12 @@ from rollbench.hifi.contact.roller import (
     roller_compliance,
 )
 from rollbench.hifi.elements.forms import cell_basis as space
-from rollbench.hifi.elements.forms import elasticity_form, nodal_areas, nodal_share_form, pressure_weights_of_nodes
+from rollbench.hifi.elements.forms import elasticity_form, nodal_areas, nodal_volume_form, pressure_function_integrals
 from rollbench.meshes.axis import RollerRow
 from rollbench.meshes.parts import Material
 from rollbench.meshes.roller_body import (
     RollerContactZone,
-    build_swept_body,
+    build_extruded_roller_body,
     mesh_section,
     raceway_point_map,
     roller_point_map,
@@ -37,23 +37,25 @@ LINES = MIDDLE + HALF * np.array([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0])
 
 
 def cylinder():
-    flat = mesh_section(ZONE, R, R, round=True)
-    return build_swept_body(flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), round=True)
+    flat = mesh_section(ZONE, R, R, is_roller=True)
+    return build_extruded_roller_body(
+        flat, ZONE, LINES, (LINES[0], LINES[-1]), roller_point_map(R, ANGLE, np.zeros_like), is_roller=True
+    )
 
 
 def slab(count):
     """Return a race so far from the apex that it is nearly flat, and its half width."""
     angle = np.radians(30.0)
     width = MIDDLE * np.sin(angle) * np.sin(np.pi / count)
-    flat = mesh_section(ZONE, width, DEPTH, round=False)
-    return build_swept_body(
+    flat = mesh_section(ZONE, width, DEPTH, is_roller=False)
+    return build_extruded_roller_body(
         flat, ZONE, LINES, (LINES[0], LINES[-1]), raceway_point_map(MIDDLE, angle, 1.0), mirrored=True
     ), width
 
 
 def middle_approach(body, matrix, load):
     """Displacement into a body of the middle of its contact line under Hertz's pressure of a load per length, b = B."""
-    areas = np.asarray(pressure_weights_of_nodes(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
+    areas = np.asarray(pressure_function_integrals(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
     shape = np.sqrt(np.maximum(1.0 - (body.across / B) ** 2, 0.0)) * np.ones(body.contact.shape)
     forces = areas * shape
     forces *= 0.5 * load * 2.0 * HALF / forces.sum()
@@ -64,17 +66,17 @@ def middle_approach(body, matrix, load):
 def test_meshes_have_the_volumes_of_their_bodies():
     roller, (ring, width) = cylinder(), slab(1000)
     cone = np.pi / 12.0 * np.tan(ANGLE) ** 2 * (LINES[-1] ** 3 - LINES[0] ** 3) * np.cos(ANGLE) ** 3
-    volume = nodal_share_form()
+    volume = nodal_volume_form()
     assert volume.assemble(space(roller.mesh)).sum() == pytest.approx(cone, rel=1e-3)
     wider = 1.0 + 0.5 * DEPTH / (MIDDLE * np.tan(np.radians(30.0)))  # in the middle of its depth
     assert volume.assemble(space(ring.mesh)).sum() == pytest.approx(2.0 * HALF * width * DEPTH * wider, rel=1e-3)
-    assert nodal_areas(roller.mesh, "contact").sum() == pytest.approx(2.0 * HALF * ZONE.width, rel=1e-3)
+    assert nodal_areas(roller.mesh, "contact").sum() == pytest.approx(2.0 * HALF * ZONE.half_width, rel=1e-3)
 
 
 def test_half_a_roller_is_compressed_as_in_closed_form():
     """Johnson (1985), 5.57, and 2 nu^2 q/(pi E) for free ends: plane strain's axial force 2 nu q R is taken off."""
     body, q = cylinder(), 1e5
-    S = roller_compliance(body, elasticity_form(E, NU), even=True)
+    S = roller_compliance(body, elasticity_form(E, NU), symmetric_loads=True)
     exact = q * (1.0 - NU**2) / (np.pi * E) * (2.0 * np.log(4.0 * R / B) - 1.0) + 2.0 * NU**2 * q / (np.pi * E)
     assert middle_approach(body, S, q) == pytest.approx(exact, rel=0.01)
 
@@ -130,7 +132,7 @@ def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
 def test_stiffness_is_the_slope_of_load_over_approach(pressed):
     bodies, states = pressed
     low, high = press_roller_between_races(bodies, 0.7 * LOAD), states[1.0]
-    secant = (high.load - low.load) / (high.approach - low.approach)
+    secant = (high.load - low.race_force) / (high.approach - low.approach)
     assert low.stiffness < secant < high.stiffness
 
 

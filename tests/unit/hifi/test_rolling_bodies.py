@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from tests.rolling_scenes import linear_pair
 
-from rollbench.hifi.contact.hertz import hertz
+from rollbench.hifi.contact.hertz import solve_hertz
 from rollbench.hifi.rolling import bodies, verification
 from rollbench.hifi.rolling.balls import (
     NEARLY_RIGID,
-    Choices,
+    RollingSettings,
     cache_kernels_of_scenes,
     compute_motion_from_rest,
     finite_body_kernel_at_contact,
@@ -24,8 +24,8 @@ from rollbench.hifi.rolling.bodies import (
     compliance_of_half_space_block,
     nodal_forces_of_tractions,
 )
-from rollbench.hifi.rolling.contact_bodies import Groove, Zone, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
-from rollbench.hifi.rolling.patch import SmoothKernel, cell_grid, monomials, rectangle_influence
+from rollbench.hifi.rolling.contact_bodies import ContactZone, Groove, mesh_grooved_bar, mesh_half_space, mesh_whole_ball
+from rollbench.hifi.rolling.patch import ComplianceKernel, create_cell_grid, displacement_by_rectangle, monomials
 from rollbench.hifi.rolling.scenes import relative_radius_along
 from rollbench.hifi.rolling.verification import (
     compare_ball_friction_with_point,
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.xdist_group("helped by processes")
 
 E, NU, R = 210e9, 0.28, 5e-3
 RADII = (R, 46.667e-3)
-ZONE = Zone((0.1e-3, 0.4e-3), (2, 2), 3.0)
+ZONE = ContactZone((0.1e-3, 0.4e-3), (2, 2), 3.0)
 COARSE = bodies.Sizes(cells=(2, 2), growth=3.0, degree=2)
 ROUND = (0.0, 0.0)
 
@@ -60,18 +60,18 @@ def half_space_kernel(zone, size, degree):
 
 def test_a_block_with_its_cut_moved_becomes_a_half_space():
     """Constant and linear loads against rectangles in closed form: errors fall with the cells at order 1.5 or more."""
-    n, half = 24, ZONE.half
+    n, half = 24, ZONE.half_lengths
     size = 2.0 * np.array(half) / n
-    _, at = cell_grid((n, n), size)
+    _, at = create_cell_grid((n, n), size)
     off = at[:, None] - at[None]
-    G = 0.5 * rectangle_influence(*off.transpose(2, 0, 1), *size, E, NU) / size.prod()
+    G = 0.5 * displacement_by_rectangle(*off.transpose(2, 0, 1), *size, E, NU) / size.prod()
     # what normal forces move along tangents, and the reverse, of one body alone: by point forces, none on their own cell
     across = (1.0 - 2.0 * NU) * (1.0 + NU) / (2.0 * np.pi * E) * off / np.maximum((off**2).sum(axis=2), 1e-30)[..., None]
     G[..., 2, :2], G[..., :2, 2] = across, -across
     fit = np.linalg.pinv(monomials(at, half, 1))
     exact = np.einsum("ka,abij,lb->ikjl", fit, G, fit).reshape(9, 9)
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
-    found = [half_space_kernel(Zone(half, (c, c), 2.0), 4e-3, 1) for c in (2, 3, 4)]
+    found = [half_space_kernel(ContactZone(half, (c, c), 2.0), 4e-3, 1) for c in (2, 3, 4)]
     errors = np.array([np.abs(f - exact) / scale for f in found])
     constant = [0, 3, 6]
     assert errors[-1][constant, constant].max() < 0.02
@@ -109,12 +109,14 @@ def ring():
     """The nut's or outer groove of a ring of seven ball radii, its kernels as the static reference's patches and as bodies
     of tensor grids have them."""
     angle, curve = 0.8, (7.0 * R, 0.0)
-    at = bodies.ContactPosition(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
-    zone, rest = at.zone(128.0, E, NU, COARSE), (at.shared_surface_curvatures, E, NU, 1)
-    patches = bodies.patch_kernels(BallPath(*curve), (R, at.arc), angle, zone, *rest, outer=True)
+    at = bodies.ContactGeometry(R, (relative_radius_along(R, curve[0], 0.0, np.cos(angle)), RADII[1]), angle, curve)
+    zone, rest = at.contact_zone(128.0, E, NU, COARSE), (at.shared_surface_curvatures, E, NU, 1)
+    patches = bodies.compliance_kernels_of_patches(BallPath(*curve), (R, at.groove_radius), angle, zone, *rest, outer=True)
     grids = (
-        bodies.bar_kernel(Groove(R, at.arc, angle, 1.4, at.bend), 5.0 * R, zone, *rest),
-        bodies.ball_kernel(R, zone, *rest),
+        bodies.compliance_kernel_of_bar(
+            Groove(R, at.groove_radius, angle, 1.4, at.groove_curvature_along), 5.0 * R, zone, *rest
+        ),
+        bodies.compliance_kernel_of_ball(R, zone, *rest),
     )
     return at, zone, patches, grids
 
@@ -133,9 +135,11 @@ def test_patches_of_the_static_reference_answer_as_other_meshes_of_the_same_bodi
 
 def test_patches_answer_for_every_flank_and_hand():
     """Of a helix: the mirror image of the left-hand one."""
-    angle, zone = 0.8, Zone((0.06e-3, 0.3e-3), (2, 2), 3.0)
+    angle, zone = 0.8, ContactZone((0.06e-3, 0.3e-3), (2, 2), 3.0)
     given = (R, 1.12 * R), angle, zone, (100.0, 90.0), E, NU, 1
-    right, left = (bodies.patch_kernels(BallPath(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1))
+    right, left = (
+        bodies.compliance_kernels_of_patches(BallPath(6.0 * R, h * 1.2 * R), *given, outer=False)[0].M for h in (1, -1)
+    )
     odd = np.array([1.0, -1.0, 1.0])
     signs = np.concatenate([-odd, odd, odd])
     assert np.abs(left * np.outer(signs, signs) - right).max() < 0.02 * np.abs(right).max() < np.abs(left - right).max()
@@ -149,9 +153,9 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
         solve_normal_contact_by_patches(at, 100.0, E, NU, (4, 4)),
     )
     assert here.approach == pytest.approx(there.approach, rel=5e-3)
-    assert here.semi == pytest.approx(there.semi, rel=0.04)
-    assert here.peak == pytest.approx(there.peak, rel=0.12)
-    bare = hertz(100.0, *at.radii, E, NU)
+    assert here.semi_axes == pytest.approx(there.semi_axes, rel=0.04)
+    assert here.peak_pressure == pytest.approx(there.peak_pressure, rel=0.12)
+    bare = solve_hertz(100.0, *at.relative_radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
     with pytest.raises(ValueError, match="straight track"):
         solve_normal_contact_by_patches(replace(at, curve=None), 100.0, E, NU, (4, 4))
@@ -159,29 +163,31 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
 
 def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monkeypatch):
     """Cattaneo and Mindlin on two finite balls: at the half spaces' shift and the bodies' own, the same force."""
-    found, exact = compare_with_mindlin(16, 0.5, balls=COARSE)
+    found, exact = compare_with_mindlin(16, 0.5, finite_balls=COARSE)
     assert found[0] == pytest.approx(exact[0], rel=5e-3)
     assert found[1] == pytest.approx(exact[1], rel=0.05)
     half = compare_with_mindlin(16, 0.5)[0][0]
-    monkeypatch.setattr(verification, "two_balls_kernel", lambda *_: SmoothKernel(np.zeros((3, 3)), (1.0, 1.0), 0))
-    assert compare_with_mindlin(16, 0.5, balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
+    monkeypatch.setattr(verification, "kernel_of_two_balls", lambda *_: ComplianceKernel(np.zeros((3, 3)), (1.0, 1.0), 0))
+    assert compare_with_mindlin(16, 0.5, finite_balls=COARSE)[0][0] == pytest.approx(half, rel=1e-9)
     assert found[0] != pytest.approx(half, rel=1e-5)
 
 
 def test_the_contact_of_two_balls_is_a_point_to_them():
     """But not if they were soft and one spun on the other."""
     scene = linear_pair()
-    found = solve_rolling(scene, Choices((8, 8)))
+    found = solve_rolling(scene, RollingSettings((8, 8)))
     assert compare_ball_friction_with_point(scene, found, 0) == pytest.approx((1.0, 1.0), abs=1e-5)
     force, loss = compare_ball_friction_with_point(
         scene, found, 0, 8, COARSE
     )  # over the balls' own patch, half an approach inside their surfaces
     assert force == pytest.approx(1.0, abs=1e-9)
-    circle = hertz(float(found.force[0]), 0.5 * scene.radius, 0.5 * scene.radius, scene.young, scene.poisson)
-    assert 1.0 - loss == pytest.approx(0.5 * circle.approach / scene.radius, rel=0.05)
-    motions = found.friction.motions.copy()
+    circle = solve_hertz(
+        float(found.ball_to_ball_forces[0]), 0.5 * scene.ball_radius, 0.5 * scene.ball_radius, scene.young, scene.poisson
+    )
+    assert 1.0 - loss == pytest.approx(0.5 * circle.approach / scene.ball_radius, rel=0.05)
+    motions = found.friction_solution.motions.copy()
     motions[3] += 5.0 * np.abs(motions).max()
-    spun = replace(found, friction=replace(found.friction, motions=motions))
+    spun = replace(found, friction=replace(found.friction_solution, motions=motions))
     force, loss = compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9 < 1.1 < loss
 
@@ -190,11 +196,11 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
     """Curvature of its surface along the track at the contact, concave and convex."""
     for bend in (20.0, -20.0):
         body = mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, bend), 2.0 * R, ZONE)
-        p = node_coordinates(body.mesh)[body.contact]
+        p = node_coordinates(body.mesh)[body.contact_nodes]
         x, z = p[np.abs(p[:, 1]) < 1e-9][:, [0, 2]].T
         assert z == pytest.approx(-0.5 * bend * x**2, rel=1e-3, abs=1e-12)
     with pytest.raises(ValueError, match="does not fit"):
-        mesh_whole_ball(R, Zone((4e-3, 4e-3), (2, 2), 3.0))
+        mesh_whole_ball(R, ContactZone((4e-3, 4e-3), (2, 2), 3.0))
     with pytest.raises(ValueError, match="thicker than its ring"):
         mesh_grooved_bar(Groove(R, 1.12 * R, 0.8, 1.4, -100.0), 8.0 * R, ZONE)
 
@@ -202,25 +208,31 @@ def test_a_bent_bar_is_a_ring_and_zones_and_bars_that_do_not_fit_are_refused():
 def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
     """Mated grooves have no force by symmetry; a groove whose bottom is unknown is refused."""
     scene = linear_pair()
-    half, finite = (solve_rolling(scene, Choices((10, 12), bodies=b)) for b in (None, COARSE))
+    half, finite = (solve_rolling(scene, RollingSettings((10, 12), finite_bodies=b)) for b in (None, COARSE))
     assert finite.converged
-    assert finite.power == pytest.approx(finite.loss + finite.upwind, rel=1e-9)
-    assert finite.force[0] == pytest.approx(half.force[0], rel=0.03)
-    assert finite.force[0] != pytest.approx(half.force[0], rel=1e-5)
-    rigid = [solve_rolling(scene, Choices((10, 12), NEARLY_RIGID, bodies=b)) for b in (None, COARSE)]
-    assert abs(rigid[1].speed[0] / rigid[0].speed[0] - 1.0) < abs(finite.speed[0] / half.speed[0] - 1.0) + 1e-4
-    assert solve_rolling(linear_pair(mated=True), Choices((10, 12), bodies=COARSE)).force[0] < 1e-9
-    bare = replace(scene.balls[0], touches=tuple(replace(t, bottom=None) for t in scene.balls[0].touches))
+    assert finite.driving_power == pytest.approx(finite.friction_loss + finite.numerical_dissipation, rel=1e-9)
+    assert finite.ball_to_ball_forces[0] == pytest.approx(half.ball_to_ball_forces[0], rel=0.03)
+    assert finite.ball_to_ball_forces[0] != pytest.approx(half.ball_to_ball_forces[0], rel=1e-5)
+    rigid = [solve_rolling(scene, RollingSettings((10, 12), NEARLY_RIGID, finite_bodies=b)) for b in (None, COARSE)]
+    assert (
+        abs(rigid[1].track_speeds[0] / rigid[0].track_speeds[0] - 1.0)
+        < abs(finite.track_speeds[0] / half.track_speeds[0] - 1.0) + 1e-4
+    )
+    assert (
+        solve_rolling(linear_pair(mated=True), RollingSettings((10, 12), finite_bodies=COARSE)).ball_to_ball_forces[0]
+        < 1e-9
+    )
+    bare = replace(scene.balls[0], touches=tuple(replace(t, bottom=None) for t in scene.balls[0].groove_contacts))
     with pytest.raises(ValueError, match="bottom"):
-        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), Choices((6, 6), bodies=COARSE))
+        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), RollingSettings((6, 6), finite_bodies=COARSE))
 
 
 def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
     """Short steps give the force and losses of half spaces but for what bodies do; long ones are refused."""
-    scene, finite = linear_pair(), Choices((6, 6), bodies=COARSE)
-    short = [compute_motion_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, Choices((6, 6)))]
+    scene, finite = linear_pair(), RollingSettings((6, 6), finite_bodies=COARSE)
+    short = [compute_motion_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, RollingSettings((6, 6)))]
     assert short[0].converged
-    assert short[0].loss == pytest.approx(short[1].loss, rel=0.03)
-    assert short[0].loss != pytest.approx(short[1].loss, rel=1e-5)
+    assert short[0].losses == pytest.approx(short[1].losses, rel=0.03)
+    assert short[0].losses != pytest.approx(short[1].losses, rel=1e-5)
     with pytest.raises(ValueError, match="outside the zone"):
         compute_motion_from_rest(scene, 0.1, 10, 0.0, finite)

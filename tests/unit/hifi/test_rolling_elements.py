@@ -6,7 +6,12 @@ from scipy.integrate import dblquad
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from rollbench.hifi.rolling.patch import cell_grid, rectangle_influence, solve_elastic_contact_on_grid, solve_normal_contact
+from rollbench.hifi.rolling.patch import (
+    create_cell_grid,
+    displacement_by_rectangle,
+    solve_elastic_contact_on_grid,
+    solve_normal_contact,
+)
 
 E, NU = 210e9, 0.28
 #: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
@@ -27,7 +32,9 @@ def test_against_quadrature(entry, at):
         return 2.0 * POINT[entry](at[0] - u, at[1] - v, 0.5 * E / (1.0 + NU), NU)
 
     exact = dblquad(integrand, -dx / 2, dx / 2, -dy / 2, dy / 2)[0]
-    assert rectangle_influence(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(exact, rel=1e-9)
+    assert displacement_by_rectangle(np.array(at[0]), np.array(at[1]), dx, dy, E, NU)[entry] == pytest.approx(
+        exact, rel=1e-9
+    )
 
 
 def hertz(load, radii, modulus):
@@ -51,14 +58,14 @@ def hertz(load, radii, modulus):
 def test_pressure_of_a_sphere_and_of_an_ellipse_is_hertz(radii):
     """Cells are longer along the ellipse's longer axis."""
     patch = solve_elastic_contact_on_grid(225.0, radii, E, NU, (24, 24) if radii[0] == radii[1] else (28, 20))
-    assert patch.load == pytest.approx(225.0, rel=1e-12)
+    assert patch.normal_load == pytest.approx(225.0, rel=1e-12)
     approach, pressure = hertz(225.0, radii, 0.5 * E / (1.0 - NU**2))
     assert patch.approach == pytest.approx(approach, rel=2e-3)
-    assert patch.normal.max() / patch.size.prod() == pytest.approx(pressure, rel=1e-2)
+    assert patch.normal_forces.max() / patch.cell_size.prod() == pytest.approx(pressure, rel=1e-2)
 
 
 def test_pressure_and_gap_are_complementary():
-    cells, at = cell_grid((14, 14), np.array([2e-5, 2e-5]))
+    cells, at = create_cell_grid((14, 14), np.array([2e-5, 2e-5]))
     gap = 0.5 * (at**2).sum(axis=1) / 1e-3
     forces, approach = solve_normal_contact(cells, np.array([2e-5, 2e-5]), gap, 5.0, (2e11, 0.3))
     assert np.all(forces >= 0.0)
@@ -68,12 +75,12 @@ def test_pressure_and_gap_are_complementary():
 
 def test_a_similar_contact_is_the_unit_one_scaled():
     unit = solve_elastic_contact_on_grid(1.0, (5e-3, 4e-2), E, NU, (10, 10))
-    unit.transport_rate_matrix  # noqa: B018 - computed once
+    unit.elastic_slip_per_rolling_length  # noqa: B018 - computed once
     direct = solve_elastic_contact_on_grid(64.0, (5e-3, 4e-2), E, NU, (10, 10))
-    scaled = unit.scaled(4.0, 64.0)
-    assert scaled.normal == pytest.approx(direct.normal, rel=1e-9)
+    scaled = unit.similar_contact(4.0, 64.0)
+    assert scaled.normal_forces == pytest.approx(direct.normal_forces, rel=1e-9)
     assert scaled.approach == pytest.approx(direct.approach, rel=1e-9)
     assert (
-        np.abs(scaled.transport_rate_matrix - direct.transport_rate_matrix).max()
-        < 1e-9 * np.abs(direct.transport_rate_matrix).max()
+        np.abs(scaled.elastic_slip_per_rolling_length - direct.elastic_slip_per_rolling_length).max()
+        < 1e-9 * np.abs(direct.elastic_slip_per_rolling_length).max()
     )

@@ -8,7 +8,7 @@ import pytest
 from tests.two_balls import SMALL, two_balls
 
 from rollbench.hifi import setup
-from rollbench.hifi.setup import Job, compute_records
+from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.cache import Cache
 
 pytestmark = pytest.mark.xdist_group("helped by processes")
@@ -17,42 +17,45 @@ pytestmark = pytest.mark.xdist_group("helped by processes")
 def test_a_prepared_geometry_comes_whole_from_the_cache(small, small_cache):
     """Also what depends on records that came from the cache themselves."""
     again = Cache(small_cache.root)
-    found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
+    found = setup.mesh_and_condense_geometry(two_balls(), (0, 3), SMALL, cache=again)
     assert small_cache.hits == again.misses == 0
     assert small_cache.misses == again.hits > 5
-    assert found.seconds == pytest.approx(small.seconds, rel=0.1), "those of making its stages, not of reading"
-    assert min(found.seconds.values()) > 0.0
-    np.testing.assert_array_equal(found.ball.G, small.ball.G)
-    np.testing.assert_array_equal(found.patches[0].local, small.patches[0].local)
-    np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
+    assert found.seconds_by_stage == pytest.approx(small.seconds, rel=0.1), "those of making its stages, not of reading"
+    assert min(found.seconds_by_stage.values()) > 0.0
+    np.testing.assert_array_equal(found.condensed_ball.G, small.ball.G)
+    np.testing.assert_array_equal(found.patches_by_flank[0].local_compliance, small.patches[0].local)
+    np.testing.assert_array_equal(found.condensed_screw.stretch.F, small.screw.stretch.F)
 
 
 def test_a_set_up_in_two_processes_is_the_same(small, small_cache, tmp_path):
     given = small.scene, small.sides, replace(SMALL, element="P1", tet=0.35e-3, modes=16, ball_modes=16)
-    here = setup.prepare(*given, cache=Cache(small_cache.root))
-    shared = setup.prepare(*given, cache=Cache(tmp_path), processes=2)
-    assert shared.others_MB > 100.0
-    assert list(shared.seconds) == list(here.seconds)
-    parts = [(*(x.patches[s].local for s in small.sides), x.nut.G, x.screw.stretch.F) for x in (shared, here)]
+    here = setup.mesh_and_condense_geometry(*given, cache=Cache(small_cache.root))
+    shared = setup.mesh_and_condense_geometry(*given, cache=Cache(tmp_path), processes=2)
+    assert shared.worker_peak_memory_MB > 100.0
+    assert list(shared.seconds_by_stage) == list(here.seconds_by_stage)
+    parts = [
+        (*(x.patches_by_flank[s].local_compliance for s in small.sides), x.condensed_nut.G, x.condensed_screw.stretch.F)
+        for x in (shared, here)
+    ]
     for one, other in zip(*parts, strict=True):
         np.testing.assert_array_equal(one, other)
     again = Cache(tmp_path)
-    setup.prepare(*given, cache=again)
+    setup.mesh_and_condense_geometry(*given, cache=again)
     assert again.misses == 0
 
 
 def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
     ended = f"__import__('os')._exit(1) if __import__('os').getpid() != {os.getpid()} else __import__('time').sleep(1)"
-    part = Job("any", eval, (ended,), type(None))
+    part = RecordJob("any", eval, (ended,), type(None))
     with pytest.raises(MemoryError, match="ended from outside"):
         compute_records([part, part], Cache(None), 2)
 
 
 def test_parts_are_made_here_and_by_others_in_their_order():
-    parts = [Job("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
+    parts = [RecordJob("any", eval, (f"({k}, __import__('time').sleep(0.5))[0]",), int) for k in range(4)]
     found = compute_records(parts, Cache(None), 2)
-    assert [one.value for one in found] == [0, 1, 2, 3]
-    assert len({one.process for one in found}) == 2
-    assert os.getpid() in {one.process for one in found}
+    assert [one.result for one in found] == [0, 1, 2, 3]
+    assert len({one.process_id for one in found}) == 2
+    assert os.getpid() in {one.process_id for one in found}
     with pytest.raises(ZeroDivisionError):
-        compute_records([*parts, Job("any", eval, ("1 / 0",), int)], Cache(None), 2)
+        compute_records([*parts, RecordJob("any", eval, ("1 / 0",), int)], Cache(None), 2)

@@ -15,8 +15,8 @@ from rollbench.hifi.meshing.settings import (
     round_up_lengths,
 )
 from rollbench.hifi.reference import solve_reference
-from rollbench.hifi.setup import prepare
-from rollbench.hifi.several_sets import describe_bodies_of_each_set, solve_sets
+from rollbench.hifi.setup import mesh_and_condense_geometry
+from rollbench.hifi.several_sets import meshed_geometry_of_each_set, solve_nuts_on_one_shaft
 from rollbench.meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal_stiffness
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import FREEDOMS, Load, Support
@@ -65,13 +65,15 @@ def prepared(_one_submodel, tmp_path_factory):
     def set_ups(assembly):
         setups = []
         for of_set, found in zip(
-            describe_bodies_of_each_set(assembly), estimate_contacts_of_each_set(assembly), strict=True
+            meshed_geometry_of_each_set(assembly), estimate_contacts_of_each_set(assembly), strict=True
         ):
-            sides = tuple(sorted({s for side in found.sides() for s in (side, 3 - side)}))
-            if (of_set.bodies, sides) not in kept:
+            sides = tuple(sorted({s for side in found.nearly_touching_flanks() for s in (side, 3 - side)}))
+            if (of_set.parts_without_errors, sides) not in kept:
                 sizes = replace(COARSE, semi=round_up_lengths(found.semi()), reach=round_up_lengths(found.reach()))
-                kept[of_set.bodies, sides] = prepare(of_set.bodies, sides, sizes, cache=cache)
-            setups.append(kept[of_set.bodies, sides])
+                kept[of_set.parts_without_errors, sides] = mesh_and_condense_geometry(
+                    of_set.parts_without_errors, sides, sizes, cache=cache
+                )
+            setups.append(kept[of_set.parts_without_errors, sides])
         return setups
 
     return set_ups
@@ -80,58 +82,65 @@ def prepared(_one_submodel, tmp_path_factory):
 @pytest.mark.slow
 def test_each_set_carries_what_it_carries_alone(prepared):
     """Held between the nuts, the shaft is two shafts: each nut has the loads of a scene of one set under its own force."""
-    first, _ = describe_bodies_of_each_set(PAIR)
-    middle = first.shift + first.bodies.screw.length
+    first, _ = meshed_geometry_of_each_set(PAIR)
+    middle = first.origin_on_shaft + first.parts_without_errors.screw.length
     held = replace(PAIR, supports=(Support(middle, BUT_UZ),), loads=(Load(middle, (0.0, 0.0, 300.0)),))
     setups = prepared(PAIR)
-    found = solve_sets(held, setups)
+    found = solve_nuts_on_one_shaft(held, setups)
     assert found.status == "converged"
-    assert max(found.balance, found.along_groove, found.screw_balance) < 1e-9
-    assert found.unknowns == sum(setup.unknowns for setup in setups)
-    assert sum(wrench[2] for wrench in found.on_shaft) == pytest.approx(-300.0, rel=1e-9)
+    assert max(found.unbalanced_ball_force, found.unbalanced_force_along_groove, found.unbalanced_shaft_force) < 1e-9
+    assert found.degree_of_freedom_count == sum(setup.unknowns for setup in setups)
+    assert sum(wrench[2] for wrench in found.forces_on_shaft) == pytest.approx(-300.0, rel=1e-9)
     for of_set, setup, balls, wrench in zip(
-        describe_bodies_of_each_set(held), setups, ball_slices_by_set(held), found.on_shaft, strict=True
+        meshed_geometry_of_each_set(held), setups, ball_slices_by_set(held), found.forces_on_shaft, strict=True
     ):
-        at = middle - of_set.shift
+        at = middle - of_set.origin_on_shaft
         pull = (Load(at, (0.0, 0.0, -wrench[2])),)
-        one = solve_reference(setup, replace(of_set.parts, supports=(Support(at, BUT_UZ),), loads=pull))
-        np.testing.assert_allclose(found.load[balls], one.load, rtol=0.0, atol=2e-5 * one.load.max())
+        one = solve_reference(setup, replace(of_set.parts_with_errors, supports=(Support(at, BUT_UZ),), loads=pull))
+        np.testing.assert_allclose(
+            found.contact_loads[balls], one.contact_loads, rtol=0.0, atol=2e-5 * one.contact_loads.max()
+        )
 
 
 @pytest.mark.slow
 def test_an_assembly_of_one_set_is_the_scene_of_it(prepared):
-    (setup,), (of_set,) = prepared(ALONE), describe_bodies_of_each_set(ALONE)
-    supports, loads = (Support(0.16 - of_set.shift, BUT_UZ),), (Load(0.16 - of_set.shift, (0.0, 0.0, 300.0)),)
-    wanted = solve_reference(setup, replace(of_set.parts, supports=supports, loads=loads))
-    found = solve_sets(ALONE, [setup])
-    np.testing.assert_allclose(found.load, wanted.load, rtol=0.0, atol=1e-12 * wanted.load.max())
-    np.testing.assert_allclose(found.centreline, wanted.centreline, rtol=0.0, atol=1e-15)
+    (setup,), (of_set,) = prepared(ALONE), meshed_geometry_of_each_set(ALONE)
+    supports, loads = (
+        (Support(0.16 - of_set.origin_on_shaft, BUT_UZ),),
+        (Load(0.16 - of_set.origin_on_shaft, (0.0, 0.0, 300.0)),),
+    )
+    wanted = solve_reference(setup, replace(of_set.parts_with_errors, supports=supports, loads=loads))
+    found = solve_nuts_on_one_shaft(ALONE, [setup])
+    np.testing.assert_allclose(found.contact_loads, wanted.contact_loads, rtol=0.0, atol=1e-12 * wanted.contact_loads.max())
+    np.testing.assert_allclose(found.centreline_motion, wanted.centreline_motion, rtol=0.0, atol=1e-15)
 
 
 @pytest.mark.slow
 def test_nuts_on_housings(prepared):
     """A carriage on very stiff springs holds its nuts; one that is pulled while the shaft is held moves the other way."""
     setups = prepared(PAIR)
-    wanted = solve_sets(PAIR, setups)
+    wanted = solve_nuts_on_one_shaft(PAIR, setups)
     on = replace(PAIR, sets=tuple(replace(s, housing="carriage") for s in PAIR.sets))
     springs = diagonal_stiffness((1e14,) * 3 + (1e12,) * 3)
     stiff = replace(on, housings=(Housing("carriage", 0.21, stiffness=springs),))
     slides = Housing("carriage", 0.21, fixed=BUT_UZ, force=(0.0, 0.0, -300.0))
     pulled = replace(on, housings=(slides,), supports=(Support(0.16, (*BUT_UZ, ("uz", 0.0))),), loads=())
     for case, close in ((stiff, 1e-6), (pulled, 1e-9)):
-        found = solve_sets(case, setups)
-        assert found.screw_balance < 1e-9
-        np.testing.assert_allclose(found.load, wanted.load, rtol=0.0, atol=close * wanted.load.max())
-    assert found.housings[0, 2] == pytest.approx(-wanted.centreline[0, 2], rel=1e-9)
+        found = solve_nuts_on_one_shaft(case, setups)
+        assert found.unbalanced_shaft_force < 1e-9
+        np.testing.assert_allclose(
+            found.contact_loads, wanted.contact_loads, rtol=0.0, atol=close * wanted.contact_loads.max()
+        )
+    assert found.housing_motions[0, 2] == pytest.approx(-wanted.centreline_motion[0, 2], rel=1e-9)
 
 
 @pytest.mark.slow
 def test_preload_by_force_is_met_without_loads(prepared):
     thrusts = zip(PAIR.sets, ("+z", "-z"), strict=True)
     forced = replace(PAIR, sets=tuple(replace(s, offset=0.0, preload=200.0, thrust=t) for s, t in thrusts), loads=())
-    found = solve_sets(forced, prepared(forced))
-    np.testing.assert_allclose([wrench[2] for wrench in found.on_shaft], [-200.0, 200.0], rtol=1e-4)
-    assert found.offsets[0] == pytest.approx(-found.offsets[1], rel=1e-4)
+    found = solve_nuts_on_one_shaft(forced, prepared(forced))
+    np.testing.assert_allclose([wrench[2] for wrench in found.forces_on_shaft], [-200.0, 200.0], rtol=1e-4)
+    assert found.nut_offsets[0] == pytest.approx(-found.nut_offsets[1], rel=1e-4)
 
 
 @pytest.mark.survey
@@ -154,24 +163,28 @@ def test_half_a_turn_about_a_diameter_changes_nothing_but_names(prepared):
         supports=(Support(LENGTH - 0.16, BUT_UZ),),
         loads=(Load(LENGTH - 0.16, (0.0, 0.0, -300.0)),),
     )
-    found, same = (solve_sets(x, prepared(x)) for x in (PAIR, other))
-    np.testing.assert_allclose(found.load, same.load[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * found.load.max())
+    found, same = (solve_nuts_on_one_shaft(x, prepared(x)) for x in (PAIR, other))
+    np.testing.assert_allclose(
+        found.contact_loads, same.contact_loads[:, [1, 0, 3, 2]], rtol=0.0, atol=2e-3 * found.contact_loads.max()
+    )
 
 
 def test_equal_nuts_have_equal_bodies():
     beyond = Support(0.35, (("ux", 0.0),))  # the shaft goes on beyond the second, as beyond the first
-    first, second = describe_bodies_of_each_set(replace(PAIR, supports=(*PAIR.supports, beyond)))
-    assert first.bodies == second.bodies
-    assert second.shift - first.shift == pytest.approx(0.048)
-    assert first.bodies.screw.length == pytest.approx(0.032 + 2 * 0.008)  # half the way to one another, on both sides
+    first, second = meshed_geometry_of_each_set(replace(PAIR, supports=(*PAIR.supports, beyond)))
+    assert first.parts_without_errors == second.parts_without_errors
+    assert second.origin_on_shaft - first.origin_on_shaft == pytest.approx(0.048)
+    assert first.parts_without_errors.screw.length == pytest.approx(
+        0.032 + 2 * 0.008
+    )  # half the way to one another, on both sides
 
 
 def test_expected_contacts_of_one_set_are_those_of_its_scene():
     alone = replace(ALONE.sets[0].parts, supports=ALONE.supports, loads=ALONE.loads)
     (found,), wanted = estimate_contacts_of_each_set(ALONE), estimate_contacts_of_scene(alone)
-    np.testing.assert_array_equal(found.load, wanted.load)
+    np.testing.assert_array_equal(found.loads, wanted.loads)
     pressed = estimate_contacts_of_each_set(replace(PAIR, loads=()))
-    assert [e.sides() for e in pressed] == [(0, 3), (1, 2)]
+    assert [e.nearly_touching_flanks() for e in pressed] == [(0, 3), (1, 2)]
 
 
 @pytest.mark.parametrize(
@@ -185,4 +198,4 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
 )
 def test_what_has_no_3d_body_is_refused(change, why):
     with pytest.raises(ValueError, match=why):
-        describe_bodies_of_each_set(replace(PAIR, **change))
+        meshed_geometry_of_each_set(replace(PAIR, **change))

@@ -9,25 +9,25 @@ import scipy.sparse as sp
 from tests.helpers import relative
 from tests.two_balls import SMALL, two_balls
 
-from rollbench.hifi.bodies.coarse import reduce_socket_transfer_to_modes
+from rollbench.hifi.bodies.coarse import contact_modes_of_patch
 from rollbench.hifi.bodies.grid_wave import (
     approaches_at_grid_position,
     approaches_over_grid_cell,
-    forces_resolved_by_patch,
+    forces_resolved_by_grid,
     tabulate_gap_corrections,
 )
 from rollbench.hifi.bodies.patch import condense_patch
 from rollbench.hifi.condensation import (
     collect_flank_condensation_arguments,
     condense_patches_of_flank,
-    is_half_turn_of_left_flank,
+    is_left_flank_after_half_turn,
     turn_patches_to_right_flank,
 )
-from rollbench.hifi.elements.forms import normalise_rows_of_weights
-from rollbench.hifi.meshing.part_meshes import mesh_parts, mesh_patch, patch_normals
+from rollbench.hifi.elements.forms import normalise_weight_rows
+from rollbench.hifi.meshing.part_meshes import contact_normals_of_patch, mesh_parts, mesh_patch
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
-from rollbench.meshes.sockets import AZIMUTH_TURNED, points_in_reference_socket
+from rollbench.meshes.sockets import AZIMUTH_TURNED, points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 pytestmark = pytest.mark.xdist_group("both flanks")
@@ -44,7 +44,7 @@ def flanks(_one_submodel):
 def condensed(wanted, settings):
     """Map and meshes of the two balls, and the condensed sides: all four, or the first of those that are wanted."""
     scene = two_balls()
-    m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
+    m, layout, dims = GrooveMap.from_scene(scene), ball_layout(scene), dimensions_of_3d_parts(scene)
     meshes = mesh_parts(scene, m, layout, dims, wanted, settings)
     pick = wanted if len(wanted) == 4 else wanted[:1]
     return (
@@ -62,8 +62,8 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     """Condensed by themselves both give the same matrices, points, normals and weights; own compliances as nearly as
     unstructured meshes of left and right submodels do."""
     m, meshes, found = flanks
-    assert is_half_turn_of_left_flank(m, right)
-    assert not is_half_turn_of_left_flank(m, right - 1)
+    assert is_left_flank_after_half_turn(m, right)
+    assert not is_left_flank_after_half_turn(m, right - 1)
     mirrored, direct = turn_patches_to_right_flank(found[right - 1]), found[right]
     body = meshes.screw if right < 2 else meshes.nut
     np.testing.assert_array_equal(body.sockets[right].xi, body.sockets[right - 1].xi * AZIMUTH_TURNED)
@@ -76,18 +76,18 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
         np.testing.assert_array_equal(a.rim, b.rim)
         assert a.shape == b.shape
         assert sp.linalg.norm(a.weights - b.weights) < 1e-9 * sp.linalg.norm(b.weights)
-    assert relative(mirrored.local, direct.local) < 5e-3
+    assert relative(mirrored.local_compliance, direct.local) < 5e-3
     assert relative(found[right - 1].local, direct.local) > 1e-2  # not turned, nodes stand for others
 
 
 def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
     m, _, found = flanks
     back = turn_patches_to_right_flank(turn_patches_to_right_flank(found[0]))
-    np.testing.assert_array_equal(back.local, found[0].local)
-    np.testing.assert_array_equal(back.groove.H, found[0].groove.H)
-    np.testing.assert_array_equal(back.ball.S, found[0].ball.S)
-    np.testing.assert_array_equal(back.ball.socket, found[0].ball.socket)
-    assert not is_half_turn_of_left_flank(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
+    np.testing.assert_array_equal(back.local_compliance, found[0].local)
+    np.testing.assert_array_equal(back.groove_patch.H, found[0].groove.H)
+    np.testing.assert_array_equal(back.ball_patch.S, found[0].ball.S)
+    np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball.socket)
+    assert not is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
 
 
 @pytest.mark.parametrize("part", ["groove", "ball"])
@@ -97,10 +97,10 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
     round-off. Contact forces point at the ball's centre: three modes are enough."""
     m, _, found = flanks
     patch = getattr(found[2], part)
-    V, rows = reduce_socket_transfer_to_modes(patch, count)
+    V, rows = contact_modes_of_patch(patch, count)
     assert V.shape[1] == count
     centre = np.array([m.R, 0.0, 0.0]) if part == "groove" else np.zeros(3)
-    hats = normalise_rows_of_weights(patch.weights)
+    hats = normalise_weight_rows(patch.weights)
     reached = (V @ rows).reshape(len(V), -1, 3)
     assert np.abs(reached.sum(axis=1) - hats @ patch.normals).max() < 1e-12
     moments = np.cross(patch.socket - centre, reached).sum(axis=1)
@@ -116,7 +116,7 @@ def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(f
     np.testing.assert_array_equal(pair.local, pair.local.T)
     assert np.linalg.eigvalsh(pair.local).min() > 0.0
     held = pair.groove.A + pair.ball.A
-    force = normalise_rows_of_weights(pair.groove.weights).T @ pair.groove.areas
+    force = normalise_weight_rows(pair.groove.weights).T @ pair.groove.areas
     assert 1.0 < (force @ pair.local @ force) / (force @ held @ force) < 1.5
 
 
@@ -129,21 +129,23 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     mesh = mesh_patch(
         meshes,
         body.sockets[side],
-        partial(points_in_reference_socket, m, meshes.size, side),
+        partial(points_in_box_at_azimuth_zero, m, meshes.size, side),
         replace(SETTINGS, b_over_h=1.8),
     )
-    normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
+    normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
     groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
     wave = tabulate_gap_corrections(m, side, groove, groove.A, steel)
-    loads = forces_resolved_by_patch(m, side, groove, steel, 5)[1:]
+    loads = forces_resolved_by_grid(m, side, groove, steel, 5)[1:]
     trend = approaches_over_grid_cell(m, side, groove, groove.A, loads, (2, 2))[1]
     places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
     approach = np.array(
         [approaches_at_grid_position(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places]
     )
-    centres = wave.middle + (places * wave.cell) @ wave.directions
-    taken = np.array([wave.at(np.full(len(places), load), centres) for load in loads]).T
+    centres = wave.middle_node + (places * wave.cell_sizes) @ wave.grid_directions
+    taken = np.array([wave.interpolate(np.full(len(places), load), centres) for load in loads]).T
     before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
-    right = turn_patches_to_right_flank(replace(found[side], wave=wave)).wave
-    assert right.at(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(taken[:, 0], rel=1e-9)
+    right = turn_patches_to_right_flank(replace(found[side], wave=wave)).gap_correction
+    assert right.interpolate(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(
+        taken[:, 0], rel=1e-9
+    )

@@ -9,47 +9,49 @@ from tests.helpers import small_screw
 
 from rollbench.meshes import fem, groove_map
 from rollbench.meshes.ball_body import (
-    BallSocket,
-    ball_socket_depth,
+    BallRefinementBox,
     contact_frame_vectors,
-    mesh_ball_with_sockets,
-    points_in_ball_socket,
+    depth_of_ball_refinement_box,
+    mesh_ball_with_refinement_boxes,
+    points_in_ball_refinement_box,
     rays_from_ball_centre,
 )
-from rollbench.meshes.sockets import SocketSize, points_in_reference_socket
+from rollbench.meshes.sockets import RefinementBoxSize, points_in_box_at_azimuth_zero
 
 FOUR = (0, 1, 2, 3)
-MAP = groove_map.GrooveMap.of(small_screw(2))
+MAP = groove_map.GrooveMap.from_scene(small_screw(2))
 
 
 def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
-    return tuple(BallSocket(s, SocketSize(gamma, 1.2e-3, phi), depth) for s in sides)
+    return tuple(BallRefinementBox(s, RefinementBoxSize(gamma, 1.2e-3, phi), depth) for s in sides)
 
 
 @pytest.mark.parametrize("side", range(4))
 def test_rays_of_a_ball_pass_through_the_groove(side):
-    m = groove_map.GrooveMap.of(small_screw(2, hand="left"))
+    m = groove_map.GrooveMap.from_scene(small_screw(2, hand="left"))
     (socket,) = ball_sockets((side,))
-    xi = np.random.default_rng(0).uniform([-1, 0, -socket.exact], [1, 1, socket.exact], (50, 3))
-    x = points_in_ball_socket(m, socket, xi)
-    groove = points_in_reference_socket(m, socket.groove, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
+    xi = np.random.default_rng(0).uniform(
+        [-1, 0, -socket.exact_length_fraction], [1, 1, socket.exact_length_fraction], (50, 3)
+    )
+    x = points_in_ball_refinement_box(m, socket, xi)
+    groove = points_in_box_at_azimuth_zero(m, socket.groove_box_size, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
     assert np.abs(np.cross(x, groove)).max() < 1e-12 * m.ball**2
     np.testing.assert_allclose(
-        np.linalg.norm(points_in_ball_socket(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12
+        np.linalg.norm(points_in_ball_refinement_box(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12
     )
-    bottom = points_in_ball_socket(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
+    bottom = points_in_ball_refinement_box(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
     np.testing.assert_allclose(bottom @ contact_frame_vectors(m, side)[0], m.ball - socket.depth, rtol=1e-12)
-    top = points_in_ball_socket(m, socket, np.zeros((1, 3)))[0]
+    top = points_in_ball_refinement_box(m, socket, np.zeros((1, 3)))[0]
     np.testing.assert_allclose(top, m.ball * contact_frame_vectors(m, side)[0], atol=1e-17)
 
 
 def test_wide_ball_sockets_are_deeper():
-    m, usual = MAP, SocketSize(0.3, 1.2e-3, 0.075)
-    assert ball_socket_depth(m, usual, 0) == pytest.approx(0.9e-3)
+    m, usual = MAP, RefinementBoxSize(0.3, 1.2e-3, 0.075)
+    assert depth_of_ball_refinement_box(m, usual, 0) == pytest.approx(0.9e-3)
     wide = replace(usual, gamma=0.6)
-    depth = ball_socket_depth(m, wide, 0)
+    depth = depth_of_ball_refinement_box(m, wide, 0)
     corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
-    x = points_in_ball_socket(m, BallSocket(0, wide, depth), corners).reshape(2, 2, 2, 3)
+    x = points_in_ball_refinement_box(m, BallRefinementBox(0, wide, depth), corners).reshape(2, 2, 2, 3)
     assert depth > 0.9e-3
     assert np.linalg.norm(x[:, 0] - x[:, 1], axis=-1).min() == pytest.approx(0.12 * m.ball, rel=1e-6)
 
@@ -70,22 +72,22 @@ BALLS = [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR
 
 @pytest.mark.parametrize(("beta", "sides"), BALLS)
 def test_ball(beta, sides):
-    m = groove_map.GrooveMap.of(small_screw(2, beta=np.radians(beta)))
+    m = groove_map.GrooveMap.from_scene(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
-    mesh = mesh_ball_with_sockets(m, sockets, 0.55e-3, 1.2e-3)
+    mesh = mesh_ball_with_refinement_boxes(m, sockets, 0.55e-3, 1.2e-3)
     assert fem.scaled_jacobians(mesh.mesh).min() > 0.02
-    assert mesh.quality.smallest > 0.04
+    assert mesh.quality.smallest_jacobian > 0.04
     faces, count = outer_faces(mesh.cells)
     assert count.max() == 2
     assert set(np.unique(mesh.cells)) == set(range(len(mesh.points)))
-    inner = np.concatenate(list(mesh.socket_nodes.values()))
+    inner = np.concatenate(list(mesh.nodes_on_box_faces.values()))
     r = np.linalg.norm(mesh.points[np.setdiff1d(np.unique(faces), inner)], axis=1)
     assert np.abs(r - m.ball).max() < 1e-15
     rows = {tuple(sorted(f)) for f in faces[:, :3].tolist()}
     lost = 0.0
     for socket in sockets:
-        nodes, standard = mesh.socket_nodes[socket.side], mesh.sockets[socket.side]
-        np.testing.assert_allclose(mesh.points[nodes], points_in_ball_socket(m, socket, standard.xi), atol=1e-15)
+        nodes, standard = mesh.nodes_on_box_faces[socket.side], mesh.box_faces[socket.side]
+        np.testing.assert_allclose(mesh.points[nodes], points_in_ball_refinement_box(m, socket, standard.xi), atol=1e-15)
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= rows
         lost += socket_volume(m, socket)
     assert volume_of(mesh) == pytest.approx(4.0 / 3.0 * np.pi * m.ball**3 - lost, rel=3e-3)
@@ -104,4 +106,6 @@ UNFIT = [
 @pytest.mark.parametrize(("sockets", "match"), UNFIT)
 def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
     with pytest.raises(ValueError, match=match):
-        mesh_ball_with_sockets(groove_map.GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)
+        mesh_ball_with_refinement_boxes(
+            groove_map.GrooveMap.from_scene(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3
+        )

@@ -15,7 +15,7 @@ from rollbench.compare.reference.store import (
     UNSAID,
     content_key_of_bodies,
     content_key_of_run,
-    run_files_of_scene,
+    files_of_stored_runs,
     shipped_store,
 )
 from rollbench.compare.scenes import catalogue
@@ -59,7 +59,7 @@ def test_a_default_that_is_changed_later_changes_the_form_of_what_relies_on_it()
     @register_frozen_defaults
     @dataclasses.dataclass(frozen=True)
     class Later:
-        sign: float = frozen_default(1.0, now=-1.0)
+        sign: float = frozen_default(1.0, present_default=-1.0)
 
     assert (canonical_text(Later()), canonical_text(Later(1.0))) == ("Later(sign=-1)", "Later()")
 
@@ -137,7 +137,7 @@ def test_every_shipped_run_is_found_by_todays_key() -> None:
     for name in catalogue.scene_names():
         for path in store.glob(f"{name}-level[1-9]-{KEY}.json"):
             level = int(path.stem.removeprefix(f"{name}-level")[0])
-            assert path in run_files_of_scene(store, catalogue.shipped_scene(name), level), path.name
+            assert path in files_of_stored_runs(store, catalogue.shipped_scene(name), level), path.name
             found += 1
     assert found > 60
 

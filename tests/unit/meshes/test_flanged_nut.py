@@ -7,15 +7,15 @@ import pytest
 from tests.fe_meshes import area_of, outer_faces, volume_of
 
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import expansion_of_free_nut_freedoms
+from rollbench.hifi.condensation import nut_freedoms_from_free_ones
 from rollbench.hifi.elements.forms import assemble_constant_form, elasticity_form
 from rollbench.hifi.linear_algebra import factorise_positive_definite
-from rollbench.meshes.exchange.whole_bodies import Refinement, mesh_whole_body
+from rollbench.meshes.exchange.whole_bodies import ElementSizesNearPoints, mesh_whole_body
 from rollbench.meshes.fem import node_coordinates, nodes_on_boundaries
-from rollbench.meshes.groove import BodySpec, outer_surfaces_of_flanged_nut
+from rollbench.meshes.groove import GroovedBodySpec, outer_surfaces_of_flanged_nut
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Flange
-from rollbench.meshes.sockets import SocketSize
+from rollbench.meshes.sockets import RefinementBoxSize
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
 CASE = catalogue.scene("lin-case1")
@@ -27,8 +27,10 @@ WHOLE_FACE = ["rim", "seat", "outside"], [(33e-3, 0.388), (33e-3, 0.394), (24e-3
 
 
 def body(flange: Flange | None):  # type: ignore[no-untyped-def]
-    spec = BodySpec(LAND, WALL, *ENDS, False, (), SocketSize(1.0, 1.0, 1.0), 4e-3, 8e-3, flange=flange)
-    return mesh_whole_body(GrooveMap.of(CASE), spec, Refinement(np.array([[0.0, 0.0, 0.4]]), 4e-3, 1.0, 8e-3))
+    spec = GroovedBodySpec(LAND, WALL, *ENDS, False, (), RefinementBoxSize(1.0, 1.0, 1.0), 4e-3, 8e-3, flange=flange)
+    return mesh_whole_body(
+        GrooveMap.from_scene(CASE), spec, ElementSizesNearPoints(np.array([[0.0, 0.0, 0.4]]), 4e-3, 1.0, 8e-3)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +51,10 @@ def test_surfaces_of_a_flange_are_named_and_whole(side, plain: float) -> None:
         "outside": 2.0 * 24.0 * 13.0,
     }
     for name, size in expected.items():
-        of_surface = faces[np.isin(faces, nut.named[name]).all(axis=1)]
+        of_surface = faces[np.isin(faces, nut.nodes_of_boundaries[name]).all(axis=1)]
         assert area_of(nut.points, of_surface) == pytest.approx(MM2 * size, rel=0.02), name
     face = ENDS[0] + 6e-3 if side == "left" else ENDS[1] - 6e-3
-    assert np.abs(nut.points[nut.named["seat"], 2] - face).max() < 1e-9
+    assert np.abs(nut.points[nut.nodes_of_boundaries["seat"], 2] - face).max() < 1e-9
 
 
 def test_single_bolts_hold_less_than_the_annulus() -> None:
@@ -64,7 +66,7 @@ def test_single_bolts_hold_less_than_the_annulus() -> None:
     pull[3 * lands + 2] = 1.0 / lands.size
     for bolts in (0, 24, 6, 3):
         nut = replace(CASE.nut, flange=replace(FLANGE, seat=(24e-3, 33e-3), bolts=bolts))
-        T = expansion_of_free_nut_freedoms(mesh, dimensions_of_3d_parts(replace(CASE, nut=nut)))  # type: ignore[arg-type]
+        T = nut_freedoms_from_free_ones(mesh, dimensions_of_3d_parts(replace(CASE, nut=nut)))  # type: ignore[arg-type]
         given.append(float(pull @ (T @ factorise_positive_definite((T.T @ K @ T).tocsc())(T.T @ pull))))
     assert given == sorted(given)
     assert 1.2 * given[0] < given[1] < 1.5 * given[2]

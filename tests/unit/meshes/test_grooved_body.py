@@ -9,21 +9,21 @@ from tests.helpers import STEEL, body_specs, small_screw, sockets_of
 
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.meshes.fem import nodes_on_boundaries, scaled_jacobians
-from rollbench.meshes.groove import BodySpec
+from rollbench.meshes.groove import GroovedBodySpec
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.grooved_body import mesh_grooved_body
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Balls, Nut, Screw, Track
-from rollbench.meshes.sockets import SocketSize, points_in_reference_socket, points_in_socket
+from rollbench.meshes.sockets import RefinementBoxSize, points_in_box_at_azimuth_zero, points_in_refinement_box
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
 
-SIZE = SocketSize(0.30, 1.2e-3, 0.075)
+SIZE = RefinementBoxSize(0.30, 1.2e-3, 0.075)
 
 
 def spec_of(case, sides, outer, size=SIZE, fine=2.0e-3, coarse=7e-3, half=20e-3):
     z, radii = case.nut.position, (8e-3, 15.5e-3) if outer else (17e-3, 24e-3)
-    return BodySpec(*radii, z - half, z + half, outer, sockets_of(case, sides), size, fine, coarse)
+    return GroovedBodySpec(*radii, z - half, z + half, outer, sockets_of(case, sides), size, fine, coarse)
 
 
 def outside(spec):
@@ -64,7 +64,7 @@ def check_body(m, spec, mesh):
     inner = {tuple(row) for row in rows[np.isin(rows, mesh.socket_nodes).all(axis=1)].tolist()}
     for nodes, socket in zip(mesh.socket_nodes, spec.sockets, strict=True):
         standard = mesh.sockets[socket[2]]
-        expected = points_in_socket(m, spec.size, socket, standard.xi)
+        expected = points_in_refinement_box(m, spec.size, socket, standard.xi)
         assert np.abs(mesh.points[nodes] - expected).max() < 1e-12 * m.R
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
@@ -80,7 +80,7 @@ def body(request):
     """Map, spec and mesh; of the nut both flanks are loaded: four-sided contact, left hand."""
     outer = request.param == "screw"
     case, sides = (small_screw(6), (0,)) if outer else (small_screw(5, hand="left", phase=0.3), (2, 3))
-    m, spec = GrooveMap.of(case), spec_of(case, sides, outer)
+    m, spec = GrooveMap.from_scene(case), spec_of(case, sides, outer)
     return m, spec, mesh_grooved_body(m, spec)
 
 
@@ -88,16 +88,16 @@ def body(request):
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_unrolled_points_are_the_section_frames_points_and_roll_brings_them_back(lead, hand):
     case = small_screw(4, lead=lead, hand=hand)
-    m, layout = GrooveMap.of(case), ball_layout(case)
+    m, layout = GrooveMap.from_scene(case), ball_layout(case)
     x3, z3 = np.meshgrid(np.linspace(-4e-3, 4e-3, 17), np.linspace(-4e-3, 4e-3, 17))
     r, zeta, psi = m.section_to_unrolled(x3, z3)
-    np.testing.assert_allclose(m.roll(r, zeta), (x3, z3), atol=1e-16)
+    np.testing.assert_allclose(m.unrolled_to_section(r, zeta), (x3, z3), atol=1e-16)
     x3, z3 = np.array([-2e-3, 1e-3, 3e-3]), np.array([2.5e-3, -1e-3, 0.4e-3])
     r, zeta, psi = m.section_to_unrolled(x3, z3)
     for k in range(4):
         expected = layout.centre[k] + x3[:, None] * layout.radial[k] + z3[:, None] * layout.binormal[k]
         up = np.array([0.0, 0.0, layout.z[k] - m.rg * layout.azimuth[k]])
-        found = np.add(m.space(r, zeta, layout.azimuth[k] + psi), up)
+        found = np.add(m.unrolled_to_cartesian(r, zeta, layout.azimuth[k] + psi), up)
         np.testing.assert_allclose(found, expected, atol=1e-15)
 
 
@@ -117,11 +117,11 @@ def channel_section(m, r_low, r_high, sides):
 def test_volume_without_sockets(outer):
     """Over a whole pitch every azimuth meets the channel once: V = pi (r_out^2 - r_in^2) L - 2 pi int r dr dzeta."""
     case = small_screw(2, phase=0.3)
-    m = GrooveMap.of(case)
+    m = GrooveMap.from_scene(case)
     spec = replace(spec_of(case, (), outer, half=10e-3), coarse=2.2e-3)
     sides = (0, 1) if outer else (2, 3)
-    channel = 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
-    expected = np.pi * (spec.r_out**2 - spec.r_in**2) * 20e-3 - channel
+    channel = 2.0 * np.pi * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
+    expected = np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * 20e-3 - channel
     found = volume_of(mesh_grooved_body(m, spec))
     assert abs(found - expected) < 0.004 * channel
 
@@ -156,7 +156,7 @@ UNFIT = [
 def test_sockets_grooves_and_turns_that_do_not_fit_are_refused(lead, change, match):
     case = small_screw(6, lead=lead)
     with pytest.raises(ValueError, match=match):
-        mesh_grooved_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), **change))
+        mesh_grooved_body(GrooveMap.from_scene(case), replace(spec_of(case, (0,), True), **change))
 
 
 def even(count, turns):
@@ -216,16 +216,16 @@ KINDS = {
 def test_any_scene(kind):
     make, sides, name = KINDS[kind]
     case = make()
-    m, spec = GrooveMap.of(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
-    assert len(spec.sockets) == case.ball_count * sum((s < 2) == spec.outer for s in sides)
+    m, spec = GrooveMap.from_scene(case), body_specs(case, sides, fine=4e-3, beyond=6e-3)[name]
+    assert len(spec.contact_positions) == case.ball_count * sum((s < 2) == spec.groove_outside for s in sides)
     check_body(m, spec, mesh_grooved_body(m, spec))
 
 
 def test_screw_without_a_hole():
     case = small_screw(2)
     spec = body_specs(case, (0,), fine=2.2e-3, beyond=0.0, hole=0.0)["screw"]
-    mesh = mesh_grooved_body(GrooveMap.of(case), spec)
-    check_body(GrooveMap.of(case), spec, mesh)
+    mesh = mesh_grooved_body(GrooveMap.from_scene(case), spec)
+    check_body(GrooveMap.from_scene(case), spec, mesh)
     assert np.hypot(*mesh.points[:, :2].T).min() < 2e-3
 
 
@@ -243,8 +243,8 @@ def test_finer_sizes_give_more_cells_and_shorter_edges():
     counts = []
     for fine, coarse in ((3.2e-3, 12e-3), (1.6e-3, 6e-3)):
         spec = body_specs(case, (3,), fine=fine, coarse=coarse)["nut"]
-        mesh = mesh_grooved_body(GrooveMap.of(case), spec)
-        near = np.isin(mesh.cells, mesh.socket_nodes).any(axis=1)
+        mesh = mesh_grooved_body(GrooveMap.from_scene(case), spec)
+        near = np.isin(mesh.cells, mesh.nodes_on_box_faces).any(axis=1)
         a, b = mesh.points[mesh.cells[near, 0]], mesh.points[mesh.cells[near, 1]]
         counts.append((len(mesh.cells), float(np.linalg.norm(a - b, axis=1).mean())))
     assert counts[1][0] > 1.3 * counts[0][0]
@@ -261,7 +261,7 @@ def test_volume_with_sockets(body):
     lost = 0.0
     for _, _, side in spec.sockets:
         rows = [
-            points_in_reference_socket(m, SIZE, side, xi + d) - points_in_reference_socket(m, SIZE, side, xi - d)
+            points_in_box_at_azimuth_zero(m, SIZE, side, xi + d) - points_in_box_at_azimuth_zero(m, SIZE, side, xi - d)
             for d in 1e-5 * np.eye(3)
         ]
         lost += float(w @ np.abs(np.linalg.det(np.stack(rows, -1) / 2e-5)))

@@ -8,10 +8,10 @@ from tests.helpers import STEEL, small_screw, with_ingredients
 
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.section import (
-    axial_range_of_nut_groove,
-    groove_section,
     grooved_volume_ratio,
+    screw_groove_section,
     screw_section,
+    section_angle_range_of_nut_groove,
     tube_section,
 )
 
@@ -33,9 +33,9 @@ def polygon_area(x, z):
 
 
 def test_groove_range_printed_in_2_4_2():
-    section = groove_section(LIN)
-    assert round(section.gamma_1 / np.pi, 3) == 0.033
-    assert round(section.gamma_2 / np.pi, 3) == 0.417
+    section = screw_groove_section(LIN)
+    assert round(section.apex_angle / np.pi, 3) == 0.033
+    assert round(section.edge_angle / np.pi, 3) == 0.417
 
 
 @pytest.mark.parametrize(("outer", "beta"), [(32e-3, np.pi / 4), (33e-3, np.pi / 4), (31e-3, 0.6), (34e-3, 1.2)])
@@ -43,11 +43,11 @@ def test_groove_area_against_a_polygon(outer, beta):
     scene = replace(LIN, screw=replace(LIN.screw, outer_diameter=outer), track=replace(LIN.track, contact_angle=beta))
     x, z = outline(scene)
     assert x.max() == pytest.approx(outer / 2 - 16.5e-3, abs=1e-15)
-    assert groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
+    assert screw_groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
 
 
 def test_nut_groove_range():
-    low, high = axial_range_of_nut_groove(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
+    low, high = section_angle_range_of_nut_groove(replace(LIN, nut=replace(LIN.nut, groove_radius=3.4e-3)))
     assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
     assert high == np.pi / 2
 
@@ -74,7 +74,7 @@ def test_readings_of_c_8(reading, power):
 
 def test_screw_surface_that_misses_the_groove_and_groove_that_takes_all_are_refused():
     with pytest.raises(ValueError, match="does not cut"):
-        groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
+        screw_groove_section(replace(LIN, screw=replace(LIN.screw, outer_diameter=25e-3)))
     with pytest.raises(ValueError, match="volume exceeds"):
         screw_section(replace(LIN, track=replace(LIN.track, lead=1e-3)))
 

@@ -14,18 +14,18 @@ from rollbench.meshes import sockets as rules
 from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.sockets import (
-    SocketSize,
-    check_sockets_fit,
-    gaps_between_balls,
-    largest_fitting_socket,
-    local_coordinates_in_socket,
-    mesh_socket_faces,
-    nodes_of_socket_rim,
-    points_in_reference_socket,
-    points_in_socket,
+    RefinementBoxSize,
+    azimuth_gaps_between_balls,
+    check_refinement_boxes_fit,
+    largest_fitting_refinement_box,
+    local_coordinates_in_refinement_box,
+    mesh_refinement_box_faces,
+    points_in_box_at_azimuth_zero,
+    points_in_refinement_box,
+    rim_nodes_of_refinement_box,
 )
 
-SIZE = SocketSize(0.30, 1.2e-3, 0.075)
+SIZE = RefinementBoxSize(0.30, 1.2e-3, 0.075)
 ALL = (0, 1, 2, 3)
 LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 
@@ -33,11 +33,11 @@ LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 def fitted(case, sides=ALL, **changes):
     names = ("land_screw", "bore_screw", "land_nut", "outer_nut", "ends")
     given = dict(zip(names, solid_sizes(case), strict=True)) | changes
-    return largest_fitting_socket(GrooveMap.of(case), ball_layout(case), sides, **given)
+    return largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
 
 
 def shares(case, size):
-    m = GrooveMap.of(case)
+    m = GrooveMap.from_scene(case)
     return size.gamma / rules.GAMMA, size.depth / (rules.DEPTH * m.ball), size.phi * m.R / (rules.ALONG * m.ball)
 
 
@@ -54,7 +54,9 @@ def with_lead(lead):
 def gaps_of(case, pick=slice(None), turns=0.0):
     """Gaps between balls along the track and their pairs, balls counted from so many turns on."""
     layout = ball_layout(case)
-    return gaps_between_balls(GrooveMap.of(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick])
+    return azimuth_gaps_between_balls(
+        GrooveMap.from_scene(case), (layout.azimuth + 2.0 * np.pi * turns)[pick], layout.z[pick]
+    )
 
 
 # --- shape -----------------------------------------------------------------------------------------------------------
@@ -62,8 +64,8 @@ def gaps_of(case, pick=slice(None), turns=0.0):
 
 @pytest.fixture(params=[(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
 def faces(request):
-    m = GrooveMap.of(small_screw(6))
-    return m, *mesh_socket_faces(partial(points_in_reference_socket, m, SIZE, 0), request.param)
+    m = GrooveMap.from_scene(small_screw(6))
+    return m, *mesh_refinement_box_faces(partial(points_in_box_at_azimuth_zero, m, SIZE, 0), request.param)
 
 
 def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
@@ -75,7 +77,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
             assert mesh.edges[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
-    loop = nodes_of_socket_rim(mesh).tolist()
+    loop = rim_nodes_of_refinement_box(mesh).tolist()
     around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
     assert {pair for pair, times in count.items() if times == 1} == around
     assert set(count.values()) == {1, 2}
@@ -86,11 +88,11 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
 @pytest.mark.parametrize("side", range(4))
 def test_socket_coordinates_invert_socket_points(side):
     case = small_screw(6, hand="left", phase=0.2)
-    m = GrooveMap.of(case)
+    m = GrooveMap.from_scene(case)
     xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
     for socket in sockets_of(case, (side,)):
-        x = points_in_socket(m, SIZE, socket, xi)
-        found = local_coordinates_in_socket(
+        x = points_in_refinement_box(m, SIZE, socket, xi)
+        found = local_coordinates_in_refinement_box(
             m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
         )
         np.testing.assert_allclose(found, xi, atol=1e-11)
@@ -98,8 +100,8 @@ def test_socket_coordinates_invert_socket_points(side):
 
 @pytest.mark.parametrize("side", range(4))
 def test_middle_of_a_socket_is_the_nominal_contact_point(side):
-    m = GrooveMap.of(small_screw(6))
-    x = points_in_reference_socket(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
+    m = GrooveMap.from_scene(small_screw(6))
+    x = points_in_box_at_azimuth_zero(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
     assert np.linalg.norm(x) == pytest.approx(m.ball, abs=1e-15)
     assert x[0] == pytest.approx(m.signs[side, 0] * m.ball * np.cos(m.beta), abs=1e-15)
 
@@ -161,7 +163,7 @@ def test_contacts_beyond_edge_or_apex_are_refused_with_both_numbers(case, half, 
 def test_long_contacts_get_long_sockets_or_are_refused():
     case = scene("lin-case1")
     assert fitted(case, contact_half_lengths=(0.2e-3, 0.9e-3)).phi == pytest.approx(
-        0.9e-3 / rules.FILLED / GrooveMap.of(case).R
+        0.9e-3 / rules.FILLED / GrooveMap.from_scene(case).R
     )
     close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
     assert fitted(close, contact_half_lengths=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
@@ -171,7 +173,7 @@ def test_long_contacts_get_long_sockets_or_are_refused():
 
 def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
     case = with_lead(5.2e-3)
-    m, size = GrooveMap.of(case), fitted(case, contact_half_lengths=(0.58e-3, 0.05e-3))
+    m, size = GrooveMap.from_scene(case), fitted(case, contact_half_lengths=(0.58e-3, 0.05e-3))
     assert size.gamma >= 0.58e-3 / m.radius.min() / rules.ZONE * (1.0 - 1e-12)
     assert size.depth < rules.DEPTH * m.ball
 
@@ -183,7 +185,7 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
     case = small_screw(4, beta=np.radians(beta))
     radius = conformity * case.balls.radius
     case = replace(case, screw=replace(case.screw, groove_radius=radius), nut=replace(case.nut, groove_radius=radius))
-    m = GrooveMap.of(case)
+    m = GrooveMap.from_scene(case)
     size = fitted(case, land_screw=16.45e-3, land_nut=16.55e-3)
     for side in ALL:
         x3, z3 = m.polar_to_section(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
@@ -239,23 +241,28 @@ def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
 def test_misfits_are_refused(size, match):
     case = small_screw(6)
     with pytest.raises(ValueError, match=rf"refinement box.*{match}.*make the refinement boxes smaller"):
-        check_sockets_fit(GrooveMap.of(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
+        check_refinement_boxes_fit(GrooveMap.from_scene(case), size, sockets_of(case, (0,)), 16e-3, 12.6e-3, (0.0, 0.2))
 
 
 def test_sockets_at_an_end_or_on_no_groove_are_refused():
     case = small_screw(6)
-    m, sockets = GrooveMap.of(case), sockets_of(case, (0,))
+    m, sockets = GrooveMap.from_scene(case), sockets_of(case, (0,))
     phi, z, side = sockets[0]
     for good in (sockets, ((phi + 2.0 * np.pi, z, side),)):
-        check_sockets_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
+        check_refinement_boxes_fit(m, SIZE, good, 16e-3, 1.5e-3, (0.08, 0.12))
     for bad, end, why in ((sockets, 0.107, "flat end"), (((phi + 0.1, z, side),), 0.12, "not lie on a groove")):
         with pytest.raises(ValueError, match=why):
-            check_sockets_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
+            check_refinement_boxes_fit(m, SIZE, bad, 16e-3, 1.5e-3, (0.08, end))
 
 
 def test_sockets_of_neighbouring_turns_that_meet_are_refused():
     case = with_lead(4.4e-3)
     with pytest.raises(ValueError, match="next turn"):
-        check_sockets_fit(
-            GrooveMap.of(case), SocketSize(0.3, 0.9e-3, 0.05), sockets_of(case, (2, 3)), 15e-3, 22e-3, (0.1, 0.2)
+        check_refinement_boxes_fit(
+            GrooveMap.from_scene(case),
+            RefinementBoxSize(0.3, 0.9e-3, 0.05),
+            sockets_of(case, (2, 3)),
+            15e-3,
+            22e-3,
+            (0.1, 0.2),
         )

@@ -7,7 +7,7 @@ from rollbench.compare.commands.export import write_step_bodies
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.export import nuts_and_bearings_on_shaft
 from rollbench.meshes import shell
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 
 
@@ -20,7 +20,7 @@ def volumes(path):
 
 
 def test_rings_have_their_grooves_in_the_solids(tmp_path):
-    (path,) = write_step_bodies(catalogue.any_scene("two-balls"), tmp_path / "parts.step").data["files"]
+    (path,) = write_step_bodies(catalogue.scene_of_any_kind("two-balls"), tmp_path / "parts.step").data["files"]
     found, _ = volumes(path)
     ball = 4.0 / 3.0 * np.pi * 4.005**3
     r = np.linspace(18.4 - 4.0, 18.4, 200001)[:-1]  # the groove of the inner ring: 2 pi r times its width at r
@@ -32,21 +32,24 @@ def test_rings_have_their_grooves_in_the_solids(tmp_path):
 
 
 def test_helical_flanks_are_surfaces_in_a_second_file(tmp_path):
-    answer = write_step_bodies(catalogue.any_scene("lin-case1-cut"), tmp_path / "parts.step")
+    answer = write_step_bodies(catalogue.scene_of_any_kind("lin-case1-cut"), tmp_path / "parts.step")
     assert 0.0 < answer.data["largest_distance_um"] < 1.0
     solids, surfaces = volumes(answer.data["files"][1])
     assert (len(solids), surfaces) == (0, 4)
 
 
 def test_both_nuts_of_a_double_nut_are_in_place():
-    (one, two), scene = nuts_and_bearings_on_shaft(catalogue.any_scene("double-nut")), catalogue.any_scene("double-nut")
-    assert one.ends[1] == pytest.approx(two.ends[0])
-    assert (one.shift, two.shift) == pytest.approx([s.offset for s in scene.sets])
+    (one, two), scene = (
+        nuts_and_bearings_on_shaft(catalogue.scene_of_any_kind("double-nut")),
+        catalogue.scene_of_any_kind("double-nut"),
+    )
+    assert one.shaft_segment_ends[1] == pytest.approx(two.shaft_segment_ends[0])
+    assert (one.nut_displacement, two.nut_displacement) == pytest.approx([s.offset for s in scene.sets])
 
 
 def test_balls_have_their_errors(tmp_path):
     scene = catalogue.scene("lin-case2")
-    radii = draw_specimen(scene, ball_layout(scene)).ball_radius
+    radii = draw_geometry_with_errors(scene, ball_layout(scene)).ball_radii
     (path, _) = write_step_bodies(scene, tmp_path / "parts.step").data["files"]
     found, _ = volumes(path)
     assert found[: radii.size] == pytest.approx(4.0 / 3.0 * np.pi * (1e3 * np.sort(radii)) ** 3, rel=1e-6)

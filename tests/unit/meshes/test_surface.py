@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, small_screw
 
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout, lead_angle, lead_per_radian
 from rollbench.meshes.parts import SIDES, Errors
 from rollbench.meshes.surface import principal_curvatures, surface_derivatives
@@ -72,7 +72,7 @@ def setup(errors=None, **options):
     scene = replace(small_screw(**options), errors=errors or Errors())
     scene = replace(scene, nut=replace(scene.nut, azimuth=0.4))
     layout = ball_layout(scene)
-    return scene, layout, draw_specimen(scene, layout), np.linspace(0.3, 1.2, layout.z.size)
+    return scene, layout, draw_geometry_with_errors(scene, layout), np.linspace(0.3, 1.2, layout.z.size)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
@@ -135,8 +135,8 @@ def test_hand_and_flank_do_not_matter(side):
 def test_constant_offset_of_all_flanks_is_a_change_of_radius():
     side = replace(FLANK_ERRORS.SL, profile=(1e-6,), pitch=())
     drawn = setup(Errors(SL=side))[2]
-    assert drawn.radius == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
-    assert drawn.profile.shape == (4, 0)
+    assert drawn.groove_radii == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
+    assert drawn.profile_coefficients.shape == (4, 0)
 
 
 def test_lead_and_its_angle():

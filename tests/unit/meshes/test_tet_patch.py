@@ -11,7 +11,7 @@ from tests.patch_meshes import socket
 
 from rollbench.meshes.tet_patch import (
     SUB_TRIANGLES,
-    TetBox,
+    TetrahedralPatchSizes,
     mesh_patch_with_tetrahedra,
     signed_volumes,
     split_into_linear_tetrahedra,
@@ -19,7 +19,7 @@ from rollbench.meshes.tet_patch import (
 
 pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
 
-BOX = TetBox((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
+BOX = TetrahedralPatchSizes((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
 SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
 INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE
 
@@ -47,15 +47,15 @@ def area(points, triangles):
 @pytest.mark.parametrize("kind", OWN)
 def test_box_is_filled(kind):
     m = mesh(kind)
-    volumes = signed_volumes(m.xi, m.tets)
+    volumes = signed_volumes(m.xi, m.tetrahedra)
     assert (volumes > 0.0).all() or (volumes < 0.0).all()
     assert abs(volumes.sum()) == pytest.approx(4.0, rel=1e-12)
-    assert np.array_equal(np.unique(m.tets), np.arange(len(m.xi)))
-    faces = boundary_faces(m.tets, "P1")
+    assert np.array_equal(np.unique(m.tetrahedra), np.arange(len(m.xi)))
+    faces = boundary_faces(m.tetrahedra, "P1")
     top = faces[(np.abs(m.xi[faces, 1]) < 1e-12).all(axis=1)]
-    assert {frozenset(t) for t in top} == {frozenset(t) for t in m.top}
-    assert len(top) == len(m.top)
-    assert area(m.xi, m.top).sum() == pytest.approx(4.0, rel=1e-12)
+    assert {frozenset(t) for t in top} == {frozenset(t) for t in m.top_triangles}
+    assert len(top) == len(m.top_triangles)
+    assert area(m.xi, m.top_triangles).sum() == pytest.approx(4.0, rel=1e-12)
     planes = ((0, -1), (0, 1), (1, 0), (1, 1), (2, -1), (2, 1))
     outside = np.any([np.abs(m.xi[:, k] - v) < 1e-12 for k, v in planes], axis=0)
     assert np.array_equal(np.unique(faces), np.flatnonzero(outside))
@@ -70,8 +70,8 @@ def test_edges_grow_out_of_the_body_of_influence():
     wanted = np.minimum(0.5e-3, 0.08e-3 + 0.2 * away)
     assert (away == 0.0).sum() > 1500
     assert length[away == 0.0].mean() == pytest.approx(1.1 * 0.08e-3, rel=0.05)  # regular tetrahedra do not fill space
-    deep = (np.abs(x[m.tets].mean(axis=1)) < INFLUENCE).all(axis=1)
-    mean = np.abs(signed_volumes(x, m.tets[deep])).mean()
+    deep = (np.abs(x[m.tetrahedra].mean(axis=1)) < INFLUENCE).all(axis=1)
+    mean = np.abs(signed_volumes(x, m.tetrahedra[deep])).mean()
     assert (6.0 * np.sqrt(2.0) * mean) ** (1 / 3) == pytest.approx(0.08e-3, rel=0.07)
     assert away.max() > 0.3e-3
     assert np.percentile(length / wanted, [1, 99]) == pytest.approx([0.6, 1.6], abs=0.2)
@@ -83,17 +83,17 @@ def test_contact_nodes_are_those_of_the_zone():
     m = mesh()
     top = np.abs(m.xi[:, 1]) < 1e-12
     zone = (np.abs(m.xi[:, 0]) < 0.5 + 1e-9) & (np.abs(m.xi[:, 2]) < 0.15 + 1e-9)
-    assert np.array_equal(np.sort(m.contact), np.flatnonzero(top & zone))
-    within = np.isin(m.top, m.contact).all(axis=1)
-    assert area(m.xi, m.top[within]).sum() == pytest.approx(4 * 0.5 * 0.15, rel=1e-12)
-    place = m.xi[m.contact]
+    assert np.array_equal(np.sort(m.contact_nodes), np.flatnonzero(top & zone))
+    within = np.isin(m.top_triangles, m.contact_nodes).all(axis=1)
+    assert area(m.xi, m.top_triangles[within]).sum() == pytest.approx(4 * 0.5 * 0.15, rel=1e-12)
+    place = m.xi[m.contact_nodes]
     assert np.all((np.diff(place[:, 0]) > 1e-10) | (np.diff(place[:, 2]) > 0.0))  # across, then along
 
 
 @pytest.mark.parametrize("kind", ["straight", "turned"])
 def test_faces_divide_the_socket_s_triangles(kind):
     m, s = mesh(kind), socket(turned=kind == "turned")
-    faces = boundary_faces(m.tets, "P1")
+    faces = boundary_faces(m.tetrahedra, "P1")
     faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
     sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]
     found = np.zeros(len(faces))

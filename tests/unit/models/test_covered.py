@@ -8,12 +8,12 @@ import pytest
 from rollbench.compare.models.model_form import (
     FLANGE,
     QUANTITIES,
-    errors_on_compared_scenes,
     estimate_model_error,
     lateral_force_and_tilting_moment,
-    leave_one_out,
+    leave_one_out_errors,
+    model_errors_on_compared_scenes,
 )
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Load, Material, Support
 
@@ -29,7 +29,7 @@ def of(part: str, youngs_modulus: float, poissons_ratio: float = STEEL.poissons_
 
 
 def expected(scene, model: str = "lin", points=None):
-    result = run_model(scene, model, Options(discretisation=False, engine="interpreted"))
+    result = run_model(scene, model, ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
     assert result.converged
     return estimate_model_error(scene, result, points)
 
@@ -66,7 +66,7 @@ TILTS = [
 
 @pytest.mark.parametrize("loads", TILTS)
 def test_what_tilts_the_nut_counts_wherever_it_comes_from(loads) -> None:
-    level = [p for p in errors_on_compared_scenes() if p.features["moment"] < 0.1]
+    level = [p for p in model_errors_on_compared_scenes() if p.features["moment"] < 0.1]
     found = expected(replace(SCENE, loads=(*SCENE.loads, *loads)), points=level)
     assert found.percent is None
     assert "tilting moment" in found.words[-1]
@@ -76,7 +76,7 @@ def test_what_tilts_the_nut_counts_wherever_it_comes_from(loads) -> None:
 def test_force_and_moment_on_the_contacts_balance_those_of_the_shaft() -> None:
     """Held at its left end against nothing across: the nut takes a force, and its moment about the nut's centre."""
     free = replace(SCENE, supports=(Support(0.0, (("rz", 0.0),)),), loads=(*SCENE.loads, Load(0.45, (300.0, 400.0, 0.0))))
-    result = run_model(free, "lin", Options(discretisation=False, engine="interpreted"))
+    result = run_model(free, "lin", ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
     assert result.converged
     assert lateral_force_and_tilting_moment(free, result) == pytest.approx((500.0, 500.0 * 0.05), rel=1e-3)
 
@@ -95,7 +95,7 @@ def test_nothing_is_expected_of_contacts_without_load() -> None:
 @pytest.mark.parametrize("model", ["lin", "refined"])
 def test_as_many_compared_screws_were_within_as_is_promised(model: str) -> None:
     """Counted by the whole bound made anew from the others, of all screws and of those held by a flange."""
-    found = leave_one_out(errors_on_compared_scenes(), model)
+    found = leave_one_out_errors(model_errors_on_compared_scenes(), model)
     covered = [one for one in found if one.expected is not None]
     assert len(found) - len(covered) <= UNCOVERED
     flanged = [one for one in covered if FLANGE in one.point.features]

@@ -6,19 +6,19 @@ import pytest
 
 from rollbench.compare.models.model_form import (
     FLANGE,
-    errors_on_compared_scenes,
     estimate_model_error,
     features_of_scene,
-    leave_one_out,
+    leave_one_out_errors,
+    model_errors_on_compared_scenes,
 )
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Flange
 
 SCENE = catalogue.scene("lin-case1")
 ON_FLANGE = replace(SCENE, nut=replace(SCENE.nut, flange=Flange(72e-3, 11e-3, (24e-3, 36e-3))))
-RESULT = run_model(SCENE, "lin", Options(discretisation=False, engine="interpreted"))
-PLAIN = [p for p in errors_on_compared_scenes() if FLANGE not in p.features and p.model == "lin"]
+RESULT = run_model(SCENE, "lin", ModelOptions(estimate_beam_mesh_error=False, engine="interpreted"))
+PLAIN = [p for p in model_errors_on_compared_scenes() if FLANGE not in p.features and p.model == "lin"]
 
 
 def flanged(count: int, factor: float):
@@ -41,8 +41,8 @@ def test_flanges_with_larger_errors_are_expected_to_have_them_and_change_no_othe
     assert other == plain
     on_flange = estimate_model_error(ON_FLANGE, RESULT, many).percent
     assert on_flange > 2.0 * plain.percent
-    judged = {x.point.scene: x for x in leave_one_out(many, "lin")}
-    alone = {x.point.scene: x for x in leave_one_out(PLAIN, "lin")}
+    judged = {x.point.scene: x for x in leave_one_out_errors(many, "lin")}
+    alone = {x.point.scene: x for x in leave_one_out_errors(PLAIN, "lin")}
     assert {k: v for k, v in judged.items() if FLANGE not in v.point.features} == alone
     assert len(judged) == len(alone) + 40
 

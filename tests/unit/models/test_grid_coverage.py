@@ -12,28 +12,28 @@ from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.levels import ADVISED, LEVELS
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.sections import u_val
-from rollbench.compare.studies.crosscheck.results import extrapolate_loads, load_results, shipped_results
+from rollbench.compare.studies.crosscheck.results import extrapolate_loads, load_calculix_results, shipped_results_folder
 from rollbench.compare.studies.mesh_study import mesh_study_table_of_scene
-from rollbench.compare.studies.survey import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 
 pytestmark = pytest.mark.xdist_group("grid_coverage")
 
-STUDY = study.Study()
+STUDY = study.SceneResultCache()
 
 
-def holds(held: list[u_val.UncertaintyTest]) -> bool:
+def holds(held: list[u_val.MeshUncertaintyTest]) -> bool:
     """Of all contacts between 93 and 99 %, in no scene of 40 contacts or more under 88 %."""
-    worst = min(h.share for h in held if h.contacts >= u_val.MANY)
-    return 0.93 <= u_val.share_of_covered_contacts(held) <= 0.99 and worst >= 0.88
+    worst = min(h.covered_share for h in held if h.contact_count >= u_val.MANY)
+    return 0.93 <= u_val.share_of_contacts_within_uncertainty(held) <= 0.99 and worst >= 0.88
 
 
 def test_bars_of_two_levels_or_more_hold_95_per_cent_of_the_contacts() -> None:
     """No level far off."""
-    several = [h for h in u_val.test_all_mesh_levels(STUDY) if h.level > min(LEVELS)]
+    several = [h for h in u_val.check_uncertainty_of_all_mesh_levels(STUDY) if h.tested_level > min(LEVELS)]
     assert holds(several)
-    assert all(h.judge > h.level for h in several)
+    assert all(h.finer_level > h.tested_level for h in several)
     for level in (2, 3):
-        assert 0.93 <= u_val.share_of_covered_contacts([h for h in several if h.level == level]) <= 0.99
+        assert 0.93 <= u_val.share_of_contacts_within_uncertainty([h for h in several if h.tested_level == level]) <= 0.99
 
 
 def alone(levels: tuple[int, ...]) -> np.ndarray:
@@ -44,7 +44,7 @@ def alone(levels: tuple[int, ...]) -> np.ndarray:
     rows = []
     for loads in u_val.loads_by_scene_and_level(STUDY).values():
         if set(levels) <= set(loads):
-            y = np.array([loads[k][estimate.loaded_on_any_level(loads)] for k in levels])
+            y = np.array([loads[k][estimate.is_loaded_on_any_level(loads)] for k in levels])
             changes = np.array([((y[a] - y[b]) ** 2).mean() for a, b in pairs])
             rows.append(changes / changes.mean())
     found = np.mean(rows, axis=0)
@@ -59,9 +59,13 @@ def test_each_advised_level_is_clearly_more_accurate() -> None:
     assert errors[1] / errors[2] < 1.3
     finer = alone((1, 2, 3, 4))
     assert (finer[1] / finer[3], finer[0] / finer[2]) == (pytest.approx(1.45, abs=0.1), pytest.approx(2.03, abs=0.1))
-    held = u_val.test_given_mesh_levels(STUDY, ADVISED)
-    first = {h.scene: h.bar for h in u_val.test_all_mesh_levels(STUDY) if h.level == min(ADVISED)}
-    assert np.median([first[h.scene] / h.bar for h in held]) > 1.5
+    held = u_val.check_uncertainty_of_mesh_levels(STUDY, ADVISED)
+    first = {
+        h.scene: h.uncertainty_percent
+        for h in u_val.check_uncertainty_of_all_mesh_levels(STUDY)
+        if h.tested_level == min(ADVISED)
+    }
+    assert np.median([first[h.scene] / h.uncertainty_percent for h in held]) > 1.5
     assert len(held) >= 17
     assert holds(held)
 
@@ -72,7 +76,8 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
     for name, loads in u_val.loads_by_scene_and_level(STUDY).items():
         if {*ADVISED, 4} <= set(loads):
             advised, finer = (
-                mesh_study_table_of_scene(STUDY.scene(name), STUDY.stores, levels) for levels in (ADVISED, (4,))
+                mesh_study_table_of_scene(STUDY.built_in_scene(name), STUDY.reference_folders, levels)
+                for levels in (ADVISED, (4,))
             )
             limits = {row["quantity"]: row["level 4"] for row in finer}
             lines = [row for row in advised if row["quantity"].startswith("centreline") and row["quantity"] in limits]
@@ -83,53 +88,61 @@ def test_displacements_of_the_advised_levels_are_held_too() -> None:
 
 def test_drawn_judges_are_those_of_the_rule() -> None:
     """Chosen by a seed among the small ones, whatever their bars hold; their scenes are those of the survey."""
-    loads, scenes = u_val.stored_loads_and_scenes_for_tests(store.shipped_store())
+    loads, scenes = u_val.read_loads_and_scenes_for_tests(store.shipped_store())
     known = {name_of(number): number for number in chosen()}
     assert len(known) == COUNT
     assert set(scenes) == set(known) == {name for name, levels in loads.items() if set(levels) == {1, 2, 3}}
     for name, scene in scenes.items():
-        assert scene == scene_file.scene_from_text(scene_text(SEED, known[name]), f"{name}.toml")
+        assert scene == scene_file.scene_from_text(random_screw_scene_text(SEED, known[name]), f"{name}.toml")
     assert {estimate.has_both_flanks_loaded(levels[3]) for name, levels in loads.items() if name in scenes} == {False, True}
 
 
 def test_a_single_level_s_bar_is_what_experience_says() -> None:
     """Of each scene by that of all others, with what the level has wrong beside free faces, which is no experience."""
-    rows = [h for h in u_val.test_all_mesh_levels(STUDY) if h.level == min(LEVELS)]
+    rows = [h for h in u_val.check_uncertainty_of_all_mesh_levels(STUDY) if h.tested_level == min(LEVELS)]
     assert holds(rows)
-    assert np.median([h.bar for h in rows]) < 0.15
-    assert all(0.08 < h.bar < 0.5 for h in rows)
+    assert np.median([h.uncertainty_percent for h in rows]) < 0.15
+    assert all(0.08 < h.uncertainty_percent < 0.5 for h in rows)
 
 
 def test_the_shipped_records_are_those_of_the_shipped_runs() -> None:
-    kept, found = estimate.read_experience(store.shipped_store()), u_val.uncertainty_parameters(STUDY)
+    kept, found = estimate.read_uncertainty_of_other_scenes(store.shipped_store()), u_val.mesh_uncertainty_parameters(STUDY)
     assert (found.sockets, found.common, *found.single) == pytest.approx(
         (kept.sockets, kept.common, *kept.single), rel=1e-6
     )
     assert found.scenes == kept.scenes
     choices = uncertainty.read_choice_effects(store.shipped_store())
     for name in modelling.VARIED:
-        total = modelling.combine_effects(STUDY.scene(name), modelling.effects_of_variants(STUDY.scene(name)))
+        total = modelling.combined_modelling_uncertainty(
+            STUDY.built_in_scene(name), modelling.effects_of_changed_choices(STUDY.built_in_scene(name))
+        )
         assert choices[name].percent == pytest.approx(total.largest, rel=1e-6)
         assert choices[name].choice == max(total.choices, key=lambda k: total.choices[k]) == "width of the nut's held face"
 
 
 def test_what_all_contacts_share_is_seen_by_another_program() -> None:
     """CalculiX' limit of the sum of loads of the preloaded rings over the reference's; no refinement goes that way."""
-    ours, theirs = STUDY.reference("two-balls"), load_results(shipped_results(), "two-balls")
+    ours, theirs = STUDY.stored_reference("two-balls"), load_calculix_results(shipped_results_folder(), "two-balls")
     limit = 100.0 * (extrapolate_loads(theirs.runs).load.sum() / ours.load.sum() - 1.0)
     low, high = uncertainty.SHARED
     assert 0.0 < low < limit <= high + 0.005
-    refined = [e for e in modelling.effects_of_variants(STUDY.scene("lin-case3")) if e.variant.startswith("finer")]
+    refined = [
+        e for e in modelling.effects_of_changed_choices(STUDY.built_in_scene("lin-case3")) if e.variant.startswith("finer")
+    ]
     assert len(refined) == 7
     assert max(float(e.change[e.change != 0.0].mean()) for e in refined) < 0.1 * low
 
 
 def test_the_law_of_large_displacements_is_that_of_another_program() -> None:
     """dF / F over a / r of all eight contacts of two-balls, on the mesh that CalculiX solved both ways."""
-    data, ours, scene = load_results(shipped_results(), "two-balls"), STUDY.reference("two-balls"), STUDY.scene("two-balls")
+    data, ours, scene = (
+        load_calculix_results(shipped_results_folder(), "two-balls"),
+        STUDY.stored_reference("two-balls"),
+        STUDY.built_in_scene("two-balls"),
+    )
     large = next(r for r in data.runs if r.nlgeom)
     small = next(r for r in data.runs if not r.nlgeom and (r.b_over_h, r.growth) == (large.b_over_h, large.growth))
-    worst = answers.rate_contact_loads(scene, small.load, np.radians(ours.best.angle)).worst
+    worst = answers.results_of_contact_loads(scene, small.load, np.radians(ours.best.angle)).worst_contact
     on = small.load > 0.0
     a = worst.a * (small.load[on] / worst.force) ** (1.0 / 3.0)
     lost = -(large.load - small.load)[on] / small.load[on]

@@ -13,20 +13,24 @@ from scipy.stats import binom, norm
 from tests.axes import double_nut, fixed_axis
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.loading import scale_loads
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members import members
 from rollbench.compare.studies.members.ensemble import (
     KEPT,
     STEP,
     contact_loads_of_all_balls,
-    output_names,
-    raceway_life_sum,
-    with_seed,
+    output_names_of_draw,
+    raceway_life_measure,
+    with_error_seed,
 )
-from rollbench.compare.studies.members.members import _binomial_quantile, sample_statistics, solve_specimens_of_scene
+from rollbench.compare.studies.members.members import (
+    _binomial_quantile,
+    output_statistics_with_intervals,
+    solve_random_draws_of_scene,
+)
 from rollbench.lowfi.statics.axis.system import ball_positions
 from rollbench.meshes.errors import scene_without_random_errors
 from rollbench.meshes.parts import BallErrors
@@ -39,45 +43,48 @@ def with_errors(**errors):
 
 
 def member_of(scene, member=0):
-    return run_model(scene, "lin", Options(member=member, discretisation=False))
+    return run_model(scene, "lin", ModelOptions(member=member, estimate_beam_mesh_error=False))
 
 
 def test_members_are_the_single_solves():
-    found = solve_specimens_of_scene(RANDOM, "lin", 5)
+    found = solve_random_draws_of_scene(RANDOM, "lin", 5)
     loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
     for name, of in (("mean", np.mean), ("largest", np.max), ("smallest", np.min)):
-        np.testing.assert_allclose(getattr(found.bands, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
-    np.testing.assert_allclose(found.bands.deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
-    np.testing.assert_allclose(found.kept[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
-    assert np.all(np.abs(found.bands.quantile(0.5) - np.median(loads, axis=0))[loads[0] > 0.0] <= found.bands.width)
-    assert not found.failed
+        np.testing.assert_allclose(getattr(found.load_distributions, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
+    np.testing.assert_allclose(found.load_distributions.standard_deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(found.outputs[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
+    assert np.all(
+        np.abs(found.load_distributions.load_quantiles(0.5) - np.median(loads, axis=0))[loads[0] > 0.0]
+        <= found.load_distributions.width
+    )
+    assert not found.status_of_failed_draws
 
 
 def test_stiffness_is_that_of_a_small_change_of_the_load():
-    found = solve_specimens_of_scene(RANDOM, "lin", 2)
+    found = solve_random_draws_of_scene(RANDOM, "lin", 2)
     (load,) = RANDOM.loads
     shift = []
     for factor in (1.0 - STEP, 1.0 + STEP):
         scene = replace(RANDOM, loads=(replace(load, force=tuple(factor * f for f in load.force)),))
         shift.append(member_of(scene, 1).centreline[0, 2])
     expected = 2.0 * STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
-    assert found.kept[1, 2] == pytest.approx(expected, rel=1e-3)
+    assert found.outputs[1, 2] == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     """Blocks done in any order, which travel as those of other processes do; another seed gives other members."""
-    alone = solve_specimens_of_scene(RANDOM, "lin", 12)
-    assert not np.array_equal(alone.kept, solve_specimens_of_scene(with_errors(seed=1), "lin", 12).kept)
+    alone = solve_random_draws_of_scene(RANDOM, "lin", 12)
+    assert not np.array_equal(alone.outputs, solve_random_draws_of_scene(with_errors(seed=1), "lin", 12).outputs)
 
     def backwards(jobs, *_):
         numbered = list(enumerate(jobs))
         return iter([(k, pickle.loads(pickle.dumps(function(*arguments)))) for k, (function, arguments) in numbered[::-1]])
 
-    monkeypatch.setattr(members.parallel, "as_done", backwards)
-    shared = solve_specimens_of_scene(RANDOM, "lin", 12, Engine(workers=2))
-    assert np.array_equal(alone.kept, shared.kept)
+    monkeypatch.setattr(members.parallel, "run_jobs", backwards)
+    shared = solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
+    assert np.array_equal(alone.outputs, shared.outputs)
     for name in ("mean", "deviation", "smallest", "largest", "counts"):
-        assert np.array_equal(getattr(alone.bands, name), getattr(shared.bands, name)), name
+        assert np.array_equal(getattr(alone.load_distributions, name), getattr(shared.load_distributions, name)), name
 
 
 def test_moments_of_balls_between_rigid_rings():
@@ -88,7 +95,7 @@ def test_moments_of_balls_between_rigid_rings():
     drawn, hertz = BallErrors(oversize=1e-6, sigma=sigma), replace(base.ingredients, hertz="error-free")
     held = replace(base, supports=(replace(support, fixed=fixed),), ingredients=hertz)
     scene = replace(held, errors=replace(base.errors, balls=drawn))
-    found = solve_specimens_of_scene(scene, "lin", count)
+    found = solve_random_draws_of_scene(scene, "lin", count)
     bare = member_of(scene_without_random_errors(scene))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
@@ -101,24 +108,26 @@ def test_moments_of_balls_between_rigid_rings():
         return integrate.quad(weighted, -8.0 * sigma, 8.0 * sigma, limit=200)[0]
 
     mean, deviation = moment(1), np.sqrt(moment(2) - moment(1) ** 2)
-    assert abs(found.bands.mean[ball, side] - mean) < 4.0 * deviation / np.sqrt(count)
-    assert found.bands.deviation[ball, side] == pytest.approx(deviation, rel=4.0 / np.sqrt(2.0 * count))
+    assert abs(found.load_distributions.mean_loads[ball, side] - mean) < 4.0 * deviation / np.sqrt(count)
+    assert found.load_distributions.standard_deviation[ball, side] == pytest.approx(
+        deviation, rel=4.0 / np.sqrt(2.0 * count)
+    )
     assert mean != pytest.approx(bare.load[ball, side], rel=1e-3)
 
 
 def test_life_of_equal_loads_goes_with_their_cube():
     load = np.zeros((8, 4))
     load[:, 0] = load[:, 3] = 100.0
-    ratio = (raceway_life_sum(2.0 * load) / raceway_life_sum(load)) ** -0.9
+    ratio = (raceway_life_measure(2.0 * load) / raceway_life_measure(load)) ** -0.9
     assert ratio == pytest.approx(1.0 / 8.0)
-    assert raceway_life_sum(load * np.repeat([1.5, 0.5], 4)[:, None]) > raceway_life_sum(load)
+    assert raceway_life_measure(load * np.repeat([1.5, 0.5], 4)[:, None]) > raceway_life_measure(load)
 
 
 def test_intervals_of_quantiles_cover():
     rng = np.random.default_rng(3)
     hits = 0
     for _ in range(300):
-        quantile = sample_statistics(rng.normal(size=200))["quantiles"][3]
+        quantile = output_statistics_with_intervals(rng.normal(size=200))["quantiles"][3]
         assert quantile["low"] <= quantile["value"] <= quantile["high"]
         hits += quantile["low"] <= norm.ppf(0.95) <= quantile["high"]
     assert hits >= binom.ppf(0.001, 300, 0.95)
@@ -157,7 +166,10 @@ def test_the_stiffness_of_members_has_another_name_than_the_rigidity_of_solve(co
     assert name not in alone["summary"]["axial"]
     scene = catalogue.scene("lin-random")
     (load,) = scene.loads
-    ends = [run_model(scale_loads(scene, factor), "lin", Options(discretisation=False)) for factor in (1.0, 1.001)]
+    ends = [
+        run_model(with_scaled_loads(scene, factor), "lin", ModelOptions(estimate_beam_mesh_error=False))
+        for factor in (1.0, 1.001)
+    ]
     first, more = (np.interp(load.at, one.centreline_z, one.centreline[:, 2]) for one in ends)
     secant = 1e-3 * load.force[2] / (more - first)
     assert data["statistics"][name]["mean"] == pytest.approx(1e-6 * secant, rel=0.01)
@@ -170,26 +182,26 @@ SIGMA_TEXT = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
 
 def drawn_sets(parts):
     sets = [replace(s, parts=replace(s.parts, errors=replace(s.parts.errors, balls=SIGMA_OF_SETS))) for s in parts.sets]
-    return with_seed(replace(parts, sets=tuple(sets)), 0)
+    return with_error_seed(replace(parts, sets=tuple(sets)), 0)
 
 
 def test_members_of_several_sets_are_the_single_solves():
     parts = drawn_sets(fixed_axis((0.0, 0.0, 500.0)))
-    found = solve_specimens_of_scene(parts, "lin", 3)
-    results = [run_model(parts, "lin", Options(member=m)) for m in range(3)]
+    found = solve_random_draws_of_scene(parts, "lin", 3)
+    results = [run_model(parts, "lin", ModelOptions(member=m)) for m in range(3)]
     loads = np.stack([contact_loads_of_all_balls(r) for r in results])
-    np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
-    names = output_names(parts)
-    member = dict(zip(names, found.kept[2], strict=True))
+    np.testing.assert_allclose(found.load_distributions.mean_loads, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.load_distributions.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
+    names = output_names_of_draw(parts)
+    member = dict(zip(names, found.outputs[2], strict=True))
     assert member["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
     assert member["tangent_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
-    for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
+    for i, (s, place) in enumerate(zip(results[2].sets, found.ball_slices, strict=True)):
         assert member[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
         assert np.array_equal(loads[2][place], s.balls.load)
-        life = (raceway_life_sum(s.balls.load) / raceway_life_sum(found.bands.nominal[place])) ** -0.9
+        life = (raceway_life_measure(s.balls.load) / raceway_life_measure(found.load_distributions.nominal[place])) ** -0.9
         assert member[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
-    assert not found.failed
+    assert not found.status_of_failed_draws
 
 
 def test_sets_draw_errors_of_their_own(tmp_path):
@@ -197,8 +209,8 @@ def test_sets_draw_errors_of_their_own(tmp_path):
     for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
         file = tmp_path / f"{alike}.toml"
         file.write_text(first + said + SIGMA_TEXT + second + third + said + SIGMA_TEXT)
-        one, other = ball_positions(catalogue.any_scene(str(file)), member=3)
-        assert np.array_equal(one[1].ball_radius, other[1].ball_radius) == alike
+        one, other = ball_positions(catalogue.scene_of_any_kind(str(file)), member=3)
+        assert np.array_equal(one[1].ball_radii, other[1].ball_radii) == alike
 
 
 def test_what_cannot_be_is_refused():
@@ -212,7 +224,7 @@ def test_what_cannot_be_is_refused():
         (drawn_sets(double_nut()), "lin", 1, "2 to"),
     ):
         with pytest.raises(InputError, match=words):
-            solve_specimens_of_scene(parts, model, count)
+            solve_random_draws_of_scene(parts, model, count)
 
 
 def test_the_command_gives_statistics_of_each_set(tmp_path, command):

@@ -14,7 +14,7 @@ from tests.copies import ROOT
 import rollbench
 from rollbench.compare.errors import InputError, ProgramError
 from rollbench.compare.models import programs
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.errors import scene_with_drawn_errors
 
@@ -65,7 +65,7 @@ def test_a_program_shares_an_axial_load_as_rigid_parts_do():
 def test_every_ball_of_a_specimen_stands_at_one_displacement():
     """Loads of balls of drawn radii: one motion of the screw closes every loaded pair as far as Hertz says."""
     scene = scene_with_drawn_errors(catalogue.scene("lin-random"), 3)
-    loads = run_model(scene, SHARE, Options(discretisation=False)).load
+    loads = run_model(scene, SHARE, ModelOptions(estimate_beam_mesh_error=False)).load
     read = json.loads(programs.scene_json(scene))
     angle, lead = read["track"]["contact_angle"], read["given"]["lead_angle"]
     larger = dict(read["errors"]["balls"]["listed"])

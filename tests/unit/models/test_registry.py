@@ -7,10 +7,10 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import comparison, model_form
-from rollbench.compare.models.registry import DEFAULT, MODELS, Options, run_model
+from rollbench.compare.models.registry import DEFAULT, MODELS, ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 
-QUIET = Options(discretisation=False, engine="interpreted")
+QUIET = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
 CASE1 = catalogue.scene("lin-case1")
 
 
@@ -18,17 +18,17 @@ def test_records_are_complete_labels_are_unique_and_every_model_is_compared():
     assert comparison.models_by_name(tuple(MODELS)) == list(MODELS.values())
     with pytest.raises(InputError, match="lin-source-partition"):
         comparison.models_by_name(("ansys",))
-    assert all(m.about and m.label and m.words for m in MODELS.values())
+    assert all(m.description and m.label and m.elasticity_text for m in MODELS.values())
     assert len({m.label for m in MODELS.values()}) == len(MODELS)
     assert DEFAULT in MODELS
-    assert {m.errors_of for m in MODELS.values()} <= {"", *MODELS}
+    assert {m.model_with_same_errors for m in MODELS.values()} <= {"", *MODELS}
 
 
 def test_a_variant_is_the_model_on_the_changed_scene():
     changed = replace(CASE1, ingredients=replace(CASE1.ingredients, partition="source"))
     found, expected = run_model(CASE1, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
     np.testing.assert_array_equal(found.load, expected.load)
-    assert found.model == comparison.loads_from_result(found).model == "lin-source-partition"
+    assert found.model == comparison.solution_from_result(found).model == "lin-source-partition"
     assert np.abs(found.load - run_model(CASE1, "lin", QUIET).load).max() > 0.1
 
 

@@ -11,9 +11,9 @@ from rollbench.compare.studies import survey, survey_models
 from rollbench.compare.studies.survey_models import (
     StoredTimedLevelRuns,
     TimedLevelRun,
-    load_levels,
+    load_timed_level_runs,
     numbers_of_screws_for_level_2,
-    save_levels,
+    save_timed_level_runs,
     time_mesh_levels_on_screws,
 )
 
@@ -28,32 +28,33 @@ def runs_of(number):
 def test_the_screws_are_chosen_from_those_that_the_models_are_judged_on():
     chosen = numbers_of_screws_for_level_2()
     assert len(set(chosen)) == len(chosen) == survey_models.COUNT
-    assert set(chosen) <= {record["number"] for record in survey.records_of_known_screws()}
+    assert set(chosen) <= {record["number"] for record in survey.records_for_error_estimates()}
 
 
 def test_level_1_and_the_models_are_judged_by_level_2():
     runs = runs_of(numbers_of_screws_for_level_2()[0])
     found = {
-        (s.name, s.judged_by): s for s in survey_models.errors_and_times_of_models(runs, survey.records_of_known_screws())
+        (s.name, s.reference_level): s
+        for s in survey_models.errors_and_times_of_models(runs, survey.records_for_error_estimates())
     }
     coarse = found["3D level 1", "level 2"]
-    assert coarse.errors == pytest.approx([100.0 * 0.02 / 1.02])
-    assert (coarse.seconds, coarse.further) == (50.0, 0.5)
-    assert found["3D level 2", ""].errors.size == 0, "the finest level has no error from these runs"
-    assert found["refined", "level 1"].errors.size == len(survey.records_of_known_screws())
-    record = next(r for r in survey.records_of_known_screws() if r["number"] == runs[0].number)["models"]["lin"]
-    by_level_1, by_level_2 = record["largest_percent"], found["lin", "level 2"].of_mean[0]
+    assert coarse.gate_errors == pytest.approx([100.0 * 0.02 / 1.02])
+    assert (coarse.first_case_seconds, coarse.further_case_seconds) == (50.0, 0.5)
+    assert found["3D level 2", ""].gate_errors.size == 0, "the finest level has no error from these runs"
+    assert found["refined", "level 1"].gate_errors.size == len(survey.records_for_error_estimates())
+    record = next(r for r in survey.records_for_error_estimates() if r["number"] == runs[0].number)["models"]["lin"]
+    by_level_1, by_level_2 = record["largest_percent"], found["lin", "level 2"].errors_of_mean_load[0]
     assert by_level_2 == pytest.approx(by_level_1, abs=100.0 * 0.02 * 3.0)
     assert by_level_2 != pytest.approx(by_level_1, abs=0.05)
 
 
 def test_runs_of_the_same_sources_are_not_repeated(tmp_path):
     number = numbers_of_screws_for_level_2()[0]
-    save_levels(tmp_path, StoredTimedLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
-    before = load_levels((tmp_path,))
+    save_timed_level_runs(tmp_path, StoredTimedLevelRuns(measuring_conditions(), "2026-01-01", runs_of(number)))
+    before = load_timed_level_runs((tmp_path,))
     assert time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=1).runs == before.runs
     old = replace(measuring_conditions(), version="0.1.0")
-    save_levels(tmp_path, StoredTimedLevelRuns(old, "2026-01-01", runs_of(number)))
+    save_timed_level_runs(tmp_path, StoredTimedLevelRuns(old, "2026-01-01", runs_of(number)))
     assert not time_mesh_levels_on_screws(tmp_path, lambda text: pytest.fail(text), count=0).runs
 
 

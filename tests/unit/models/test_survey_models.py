@@ -21,11 +21,11 @@ needs_awk = pytest.mark.skipif(shutil.which("awk") is None, reason="no awk here"
 def test_stored_loads_are_those_that_the_record_judged_our_models_by():
     """The record has the errors of lin by the same runs, made by earlier versions: lin finds them again, but for what its
     changes since then moved."""
-    record = {r["number"]: r["models"]["lin"] for r in survey.shipped_survey()["scenes"] if "models" in r}
+    record = {r["number"]: r["models"]["lin"] for r in survey.built_in_survey()["scenes"] if "models" in r}
     numbers = [*survey_models.stored_loads()][::37]
     assert len(numbers) >= 4
     for number in numbers:
-        row = survey_models.judge_model_on_drawn_screw("lin", number)
+        row = survey_models.judge_model_on_random_screw("lin", number)
         assert row["status"] == "converged"
         assert row["largest_percent"] == pytest.approx(record[number]["largest_percent"], abs=0.1)
         assert row["rms_percent"] == pytest.approx(record[number]["rms_percent"], abs=0.1)
@@ -36,7 +36,7 @@ def test_loads_of_another_screw_judge_nothing(monkeypatch):
     number = next(iter(survey_models.stored_loads()))
     changed = {**survey_models.stored_loads()[number], "of": "another"}
     monkeypatch.setattr(survey_models, "stored_loads", lambda: {number: changed})
-    row = survey_models.judge_model_on_drawn_screw("lin", number)
+    row = survey_models.judge_model_on_random_screw("lin", number)
     assert (row["status"], "largest_percent" in row) == ("no stored reference", False)
 
 
@@ -71,12 +71,12 @@ def test_a_screw_without_answer_is_a_row_with_its_reason_and_the_exit_code_is_1(
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
     mine = f"{sys.executable} mine.py {{scene.json}} {{loads.csv}}"
     code, data = command.json("survey", "--count", "12", "--model-command", mine, "--json")
-    left = {r["number"] for r in survey.shipped_survey()["scenes"] if r["hand"] == "left"}
+    left = {r["number"] for r in survey.built_in_survey()["scenes"] if r["hand"] == "left"}
     reasons = {r["screw"]: r["status"] for r in data["models"][mine] if r["status"] != "converged"}
     assert reasons.keys() == left & {r["screw"] for r in data["models"][mine]} != set()
     assert all("exit code 1; its last line: right hand only" in reason for reason in reasons.values())
     assert (code, data["without_answer"][mine]) == (1, len(reasons))
-    describe = survey_models.judge_model_on_drawn_screw("mei", next(iter(left)))
+    describe = survey_models.judge_model_on_random_screw("mei", next(iter(left)))
     assert describe["status"] == "the model does not describe it"
 
 
@@ -88,7 +88,7 @@ def test_a_drawn_screw_and_its_reference_are_files_that_check_takes(command, tmp
     name = f"survey-20360-{number}"
     words = ("check", f"{name}.toml", "--reference", f"{name}-reference.csv", "--no-compute", "--json")
     verdict = json.loads(command(*words, "--model-command", SHARE).out)["verdicts"][0]
-    row = survey_models.judge_model_on_drawn_screw(SHARE, number)
+    row = survey_models.judge_model_on_random_screw(SHARE, number)
     assert verdict["max_percent_of_mean"] == pytest.approx(row["largest_percent"], rel=1e-6)
     assert verdict["error_percent"] == pytest.approx(row["gate_percent"], rel=1e-6)
     assert verdict["word"] == row["verdict"] == "fail"
@@ -115,7 +115,7 @@ def test_loads_of_runs_are_kept_beside_those_that_a_file_has(tmp_path, monkeypat
     monkeypatch.setattr(survey, "stored_run", lambda _, scene: run if scene.name.endswith("-1") else None)
     path = tmp_path / survey_models.LOADS
     path.write_text(json.dumps({"seed": survey.SEED, "level": survey.LEVEL, "screws": [row]}), encoding="utf-8")
-    assert survey_models.store_loads(path, tmp_path, 3) == 2
+    assert survey_models.store_reference_loads(path, tmp_path, 3) == 2
     found = {r["number"]: r for r in json.loads(path.read_text(encoding="utf-8"))["screws"]}
     assert found[number] == row
     np.testing.assert_allclose(found[1]["load"], run.load, rtol=1e-5)

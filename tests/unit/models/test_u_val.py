@@ -10,26 +10,26 @@ from rollbench.compare.models import uncertainty
 from rollbench.compare.models.applicability import (
     DESCRIPTORS,
     compared_scenes,
-    descriptors_of_shipped_scenes,
+    descriptors_of_built_in_scenes,
     descriptors_outside_range,
     descriptors_with_ranges,
 )
-from rollbench.compare.models.comparison import loads_from_run
+from rollbench.compare.models.comparison import solution_from_run
 from rollbench.compare.models.model_form import estimate_model_error
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.sections.fit import validated_range_table
 
 pytestmark = pytest.mark.xdist_group("u_val")
 
-STUDY = Study()
+STUDY = SceneResultCache()
 SCENE = "lin-case1"
 
 
 def test_an_unknown_part_leaves_u_val_unknown_and_counts_nothing_where_that_is_said() -> None:
-    parts = uncertainty.Uncertainty({"a": np.array([3.0, np.nan]), "b": 4.0})
-    assert parts.combined() == pytest.approx([5.0, np.nan], nan_ok=True)
-    assert parts.combined(unknown=0.0) == pytest.approx([5.0, 4.0])
+    parts = uncertainty.UncertaintyParts({"a": np.array([3.0, np.nan]), "b": 4.0})
+    assert parts.root_sum_of_squares() == pytest.approx([5.0, np.nan], nan_ok=True)
+    assert parts.root_sum_of_squares(unknown=0.0) == pytest.approx([5.0, 4.0])
 
 
 @pytest.mark.parametrize("quantity", uncertainty.QUANTITIES, ids=lambda q: q.name)
@@ -39,37 +39,39 @@ def test_every_part_is_there(quantity) -> None:
     for values in found.parts.values():
         assert np.isfinite(values).all()
         assert values.max() > 0.0
-        assert (found.combined() >= values).all()
+        assert (found.root_sum_of_squares() >= values).all()
 
 
 def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
-    ref = STUDY.reference(SCENE)
+    ref = STUDY.stored_reference(SCENE)
     found = uncertainty.validation_uncertainty(STUDY, SCENE, uncertainty.QUANTITIES[0])
     assert found.parts[uncertainty.GRID] == pytest.approx(100.0 * ref.uncertainty / ref.load[ref.load > 0.0].mean())
 
 
 def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
-    ref = STUDY.reference(SCENE)
-    answer = loads_from_run(ref.best, "3D")
+    ref = STUDY.stored_reference(SCENE)
+    answer = solution_from_run(ref.best, "3D")
     for quantity in uncertainty.QUANTITIES:
-        same = uncertainty.validated_error(STUDY, SCENE, "3D", quantity, answer)
+        same = uncertainty.error_with_validation_uncertainty(STUDY, SCENE, "3D", quantity, answer)
         assert (same.error, same.within) == (0.0, 1.0)
     larger = replace(answer, load=1.02 * answer.load, line=1.05 * answer.line)
-    found = {q.name: uncertainty.validated_error(STUDY, SCENE, "3D", q, larger) for q in uncertainty.QUANTITIES}
+    found = {
+        q.name: uncertainty.error_with_validation_uncertainty(STUDY, SCENE, "3D", q, larger) for q in uncertainty.QUANTITIES
+    }
     assert found["largest load"].error == pytest.approx(2.0)
     assert found["axial displacement"].error == pytest.approx(5.0)
     assert found[uncertainty.CONTACTS].ratio == pytest.approx([1.02] * 64)
 
 
 def test_the_largest_load_is_as_uncertain_as_its_contact() -> None:
-    ref, scene = STUDY.reference("lin-case3"), STUDY.scene("lin-case3")
+    ref, scene = STUDY.stored_reference("lin-case3"), STUDY.built_in_scene("lin-case3")
     largest = next(q for q in uncertainty.QUANTITIES if q.name == "largest load")
     bar = ref.uncertainty.ravel()[ref.load.argmax()]
     assert uncertainty.grid_uncertainty(scene, ref, largest) == pytest.approx(100.0 * bar / ref.load.max())
 
 
-def row(ratio: tuple[float, ...], grid: float, within: float) -> uncertainty.Validated:
-    return uncertainty.Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
+def row(ratio: tuple[float, ...], grid: float, within: float) -> uncertainty.ErrorWithUncertainty:
+    return uncertainty.ErrorWithUncertainty("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
 
 
 def test_bias_and_scatter_of_known_ratios() -> None:
@@ -93,9 +95,10 @@ def test_compared_scenes_are_inside() -> None:
 def test_kept_places_are_those_of_the_scenes() -> None:
     for ring in (False, True):
         found = [
-            {d.name: pytest.approx(d.value(scene), rel=1e-12) for d in DESCRIPTORS} for scene in compared_scenes(ring=ring)
+            {d.name: pytest.approx(d.value_of_scene(scene), rel=1e-12) for d in DESCRIPTORS}
+            for scene in compared_scenes(ring=ring)
         ]
-        assert list(descriptors_of_shipped_scenes(ring=ring)) == found
+        assert list(descriptors_of_built_in_scenes(ring=ring)) == found
 
 
 @pytest.mark.parametrize(
@@ -110,8 +113,8 @@ def test_kept_places_are_those_of_the_scenes() -> None:
 )  # fmt: skip
 def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> None:
     """The place that is drawn and the words of a result agree."""
-    base = STUDY.scene(SCENE)
-    result = run_model(base, "lin", Options(discretisation=False))
+    base = STUDY.built_in_scene(SCENE)
+    result = run_model(base, "lin", ModelOptions(estimate_beam_mesh_error=False))
     changed = change(base)
     beyond = descriptors_outside_range(changed)
     form = estimate_model_error(changed, result)
@@ -136,21 +139,21 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
             raise FileNotFoundError(path)
         return left
 
-    text_of, scene = files.text, STUDY.scene(name)
+    text_of, scene = files.shipped_text, STUDY.built_in_scene(name)
     assert descriptors_outside_range(scene) == ()
-    result = run_model(scene, "lin", Options(discretisation=False))
+    result = run_model(scene, "lin", ModelOptions(estimate_beam_mesh_error=False))
     monkeypatch.setattr(files, "text", text)
-    descriptors_of_shipped_scenes.cache_clear()
+    descriptors_of_built_in_scenes.cache_clear()
     try:
         assert estimate_model_error(scene, result).percent is None
         assert "places.json is missing or damaged" in " ".join(descriptors_outside_range(scene))
     finally:
-        descriptors_of_shipped_scenes.cache_clear()
+        descriptors_of_built_in_scenes.cache_clear()
 
 
 def test_balls_at_the_face_of_the_nut_are_covered_as_far_as_drawn_screws_have_them() -> None:
     """Liu's screw has its last balls 1.5 radii from the face, drawn ones from 1; closer ones were never compared."""
-    scene = STUDY.scene("liu-screw")
+    scene = STUDY.built_in_scene("liu-screw")
     assert not descriptors_outside_range(scene)
     shorter = replace(scene, nut=replace(scene.nut, length=scene.nut.length - 2.4 * scene.balls.radius))
     beyond = [place.descriptor.name for place in descriptors_with_ranges(shorter) if place.outside]

@@ -13,9 +13,9 @@ from tests.copies import ROOT
 import rollbench
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import user_models
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
-from rollbench.meshes.errors import draw_specimen, scene_with_drawn_errors
+from rollbench.meshes.errors import draw_geometry_with_errors, scene_with_drawn_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FourierTerm, SideErrors
 
@@ -48,7 +48,7 @@ ZEROS = "import numpy as np\n\n\ndef model(scene):\n    return np.zeros((scene.b
 
 
 def forget():
-    user_models.installed_models.cache_clear()
+    user_models.entry_points_of_installed_models.cache_clear()
     user_models.load_user_model.cache_clear()
 
 
@@ -100,7 +100,9 @@ def test_it_is_compared_and_judged_as_ours_are(example, command):
 def test_specimens_and_samples_are_solved_by_it(example, command, tmp_path):
     scene = catalogue.scene("lin-random")
     for member in (0, 3):
-        mine, ours = (run_model(scene, name, Options(member=member, engine="interpreted")) for name in (example, "mei"))
+        mine, ours = (
+            run_model(scene, name, ModelOptions(member=member, engine="interpreted")) for name in (example, "mei")
+        )
         np.testing.assert_allclose(mine.load, ours.load, rtol=0.0, atol=1e-8)
     code, out, _ = command("solve", "lin-random", "--members", "3", "--model", example, "--json")
     assert (code, json.loads(out)["model"]) == (0, example)
@@ -118,7 +120,10 @@ def test_a_specimen_is_written_into_its_scene():
     )
     scene = replace(scene, errors=replace(scene.errors, SR=groove, NL=replace(groove, roundness=groove.pitch)))
     layout = ball_layout(scene)
-    drawn, written = draw_specimen(scene, layout, 2), draw_specimen(scene_with_drawn_errors(scene, 2), layout)
+    drawn, written = (
+        draw_geometry_with_errors(scene, layout, 2),
+        draw_geometry_with_errors(scene_with_drawn_errors(scene, 2), layout),
+    )
     for what in ("ball_radius", "centre", "centre_slopes", "radius", "profile"):
         np.testing.assert_allclose(getattr(written, what), getattr(drawn, what), rtol=1e-14, atol=0.0)
     assert not scene_with_drawn_errors(scene, 2).errors.random

@@ -8,16 +8,16 @@ import pytest
 from tests.copies import ROOT
 
 from rollbench.compare.evidence import (
-    Evidence,
+    PrintedEntryComparison,
     count_entries_by_verdict,
     misprint_rows,
     publication_titles,
     reproduction_sentence,
 )
-from rollbench.compare.printed import VERDICTS, Printed, load_table, printed_table_names
+from rollbench.compare.printed import VERDICTS, PrintedEntry, load_printed_table, printed_table_names
 
-ENTRIES = [row for name in printed_table_names() for row in load_table(name)]
-PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
+ENTRIES = [row for name in printed_table_names() for row in load_printed_table(name)]
+PLAIN = PrintedEntry("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "why", "1.00")
 
 
 RULES = [
@@ -42,23 +42,30 @@ RULES = [
 
 @pytest.mark.parametrize(("change", "found", "verdict"), RULES)
 def test_verdict_by_rule(change, found, verdict):
-    assert Evidence(replace(PLAIN, **change), **found).verdict == verdict
+    assert PrintedEntryComparison(replace(PLAIN, **change), **found).verdict == verdict
 
 
 def test_every_entry_has_an_expected_verdict_and_what_contradicts_an_open_one_a_reason():
-    assert [row.name for row in ENTRIES if row.verdict is None] == []
-    assert all((row.verdict == "contradicted") == bool(row.contradicted) for row in ENTRIES if row.cls == "open")
+    assert [row.name for row in ENTRIES if row.expected_verdict is None] == []
+    assert all(
+        (row.expected_verdict == "contradicted") == bool(row.contradicting_statement)
+        for row in ENTRIES
+        if row.entry_class == "open"
+    )
 
 
 def test_a_verdict_other_than_the_expected_is_named():
-    right, wrong = (Evidence(replace(PLAIN, verdict="reproduced"), value=value) for value in (1.0, 2.0))
+    right, wrong = (PrintedEntryComparison(replace(PLAIN, verdict="reproduced"), value=value) for value in (1.0, 2.0))
     said = "lin-x:a: the expected verdict is reproduced, the actual verdict is contradicted"
-    assert (right.change, wrong.change) == ("", said)
-    assert Evidence(PLAIN, value=1.0).change == "lin-x:a: no expected verdict is stored, the actual verdict is reproduced"
+    assert (right.verdict_change, wrong.verdict_change) == ("", said)
+    assert (
+        PrintedEntryComparison(PLAIN, value=1.0).verdict_change
+        == "lin-x:a: no expected verdict is stored, the actual verdict is reproduced"
+    )
 
 
 def test_counts_by_source_add_up():
-    rows = [Evidence(row) for row in ENTRIES]
+    rows = [PrintedEntryComparison(row) for row in ENTRIES]
     counted = count_entries_by_verdict(rows)
     assert [row["source"] for row in counted] == [*publication_titles(), "all"]
     total = Counter(row.verdict for row in rows)

@@ -3,37 +3,41 @@
 import pytest
 
 from rollbench.compare import evidence
-from rollbench.compare.evidence import Evidence, Findings
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table, printed_entry
+from rollbench.compare.evidence import ComputedEntryValues, PrintedEntryComparison
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table, printed_entry
 
 
 def test_sheet_keeps_the_order_of_the_table_leaves_the_rest_open_and_refuses_what_is_not_printed():
-    findings = Findings("lin-3.3")
-    findings.claim("sign_region", True, "why")
-    findings.number("mu", 0.1)
-    found = findings.evidence()
-    assert [e.printed for e in found] == list(load_table("lin-3.3"))
-    filed = {e.printed.key: e.verdict for e in found if e.agrees is not None}
+    findings = ComputedEntryValues("lin-3.3")
+    findings.add_claim("sign_region", True, "why")
+    findings.add_number("mu", 0.1)
+    found = findings.comparisons()
+    assert [e.printed for e in found] == list(load_printed_table("lin-3.3"))
+    filed = {e.printed.key: e.verdict for e in found if e.agrees_with_printed is not None}
     assert filed == {"mu": "input", "sign_region": "reproduced"}
     with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
-        Findings("lin-3.3").number("my", 1.0)
+        ComputedEntryValues("lin-3.3").add_number("my", 1.0)
     with pytest.raises(KeyError, match="no printed entry"):
         printed_entry("lin-3.3", "my")
 
 
 def test_compared_value_follows_the_class():
-    row = next(r for r in load_table("lin-3.2") if r.cls == "as-printed")
-    e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
+    row = next(r for r in load_printed_table("lin-3.2") if r.entry_class == "as-printed")
+    e = PrintedEntryComparison(
+        row, value=2.0 * row.value, as_printed=row.value, value_by_inferred_assumption=1.5 * row.value
+    )
     assert (e.verdict, e.error_percent) == ("only as printed", 0.0)
     assert e.reading_error_percent == pytest.approx(50.0)
 
 
 def test_every_computation_fills_its_own_table_only_and_no_screws_are_drawn_unless_asked_for():
-    study = Study(members=0)
+    study = SceneResultCache(random_draw_count=0)
     for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
-        assert [e.printed for e in evidence.computations_with_function()[name].compute(study)] == list(load_table(name))
+        assert [e.printed for e in evidence.computations_with_function()[name].compute(study)] == list(
+            load_printed_table(name)
+        )
     found = {e.printed.key: e for e in evidence.evidence(study, "lin-2.4.2")}
-    assert [found[k].agrees for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
-    assert found["pitch_much"].agrees is True
-    assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed)
+    assert [found[k].agrees_with_printed for k in ("random_two_point", "random_much", "combined_four_point")] == [None] * 3
+    assert found["pitch_much"].agrees_with_printed is True
+    assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.computed_values)

@@ -8,8 +8,8 @@ from tests.evidence_study import GROUP, STUDY
 from rollbench.compare.commands.check import check_shipped_data
 from rollbench.compare.evidence import evidence
 from rollbench.compare.gate import gate
-from rollbench.compare.gate.gate import check_of_printed_entry
-from rollbench.compare.models.study import Study
+from rollbench.compare.gate.gate import gate_check_of_published_entry
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.lowfi.statics import problem
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -25,15 +25,15 @@ def test_passes_with_every_kind_of_check() -> None:
 
 
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = problem.hertz_C
+    right = problem.hertz_constants_by_scene_choice
     monkeypatch.setattr(problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
-    failed = [row.name for row in gate.check_closed_forms(Study(), 7.0) if not row.passed]
+    failed = [row.name for row in gate.check_closed_forms(SceneResultCache(), 7.0) if not row.passed]
     assert any("oversize" in name for name in failed)
 
 
 def test_a_wrong_printed_digit_and_a_number_beyond_the_limit_fail() -> None:
-    found = evidence(Study(), "lin-B1")[3]
-    assert check_of_printed_entry(found, 7.0).passed
+    found = evidence(SceneResultCache(), "lin-B1")[3]
+    assert gate_check_of_published_entry(found, 7.0).passed
     wrong = replace(found, as_printed=1.001 * (found.as_printed or 0.0))
-    assert not check_of_printed_entry(wrong, 7.0).passed
-    assert [gate.check_of_number("x", "closed form", x, 1.0, 7.0).passed for x in (1.05, 1.08)] == [True, False]
+    assert not gate_check_of_published_entry(wrong, 7.0).passed
+    assert [gate.gate_check_of_number("x", "closed form", x, 1.0, 7.0).passed for x in (1.05, 1.08)] == [True, False]

@@ -6,7 +6,7 @@ import pytest
 
 from rollbench.compare import printed as printed_data
 from rollbench.compare.errors import InputError
-from rollbench.compare.evidence import Evidence
+from rollbench.compare.evidence import PrintedEntryComparison
 from rollbench.compare.scenes import catalogue
 
 TABLES = printed_data.printed_table_names()
@@ -14,33 +14,33 @@ ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "
 
 
 def row(table, key):
-    (found,) = (r for r in printed_data.load_table(table) if r.key == key)
+    (found,) = (r for r in printed_data.load_printed_table(table) if r.key == key)
     return found
 
 
 def test_a_table_that_is_not_there_is_refused_with_those_that_are():
     with pytest.raises(InputError, match="external-contact"):
-        printed_data.load_table("lin-B2")
+        printed_data.load_printed_table("lin-B2")
 
 
 @pytest.mark.parametrize("name", TABLES)
 def test_every_row_is_complete(name):
-    rows = printed_data.load_table(name)
+    rows = printed_data.load_printed_table(name)
     assert rows
     for r in rows:
         assert r.table == name
         assert r.place.partition(", ")[2]
         assert r.remark
         assert (r.value is None) == bool(r.claim)
-        assert r.value is None or r.value == float(r.printed)
-        if r.cls == "band":
-            assert len(r.origin) > 20
+        assert r.value is None or r.value == float(r.number_as_printed)
+        if r.entry_class == "band":
+            assert len(r.origin_of_limits) > 20
             assert r.value is None or r.low <= r.value <= r.high
 
 
 def test_b1_agrees_with_itself():
     """B.2 between the table's own rows: rho_eq is the geometric mean of R' and R'', to the digits printed."""
-    v = {r.key: r.value for r in printed_data.load_table("lin-B1")}
+    v = {r.key: r.value for r in printed_data.load_printed_table("lin-B1")}
     for side in "SN":
         assert math.sqrt(v[f"R1_{side}"] * v[f"R2_{side}"]) == pytest.approx(v[f"rho_eq_{side}"], abs=2e-3)
     # The screw's R' goes with rho'' and its R'' with rho', as the remark says.
@@ -52,7 +52,7 @@ def test_speed_ratio_follows_from_table_2_2():
     ansys, proposed = ([row("lin-2.2", f"time_{of}_{i}").value for i in (1, 2, 3)] for of in ("ansys", "proposed"))
     ratios = [3600.0 * one / other for one, other in zip(ansys, proposed, strict=True)]
     printed = row("lin-2.4.1", "speed_ratio")
-    assert printed.cls == "hard"
+    assert printed.entry_class == "hard"
     assert min(ratios) > printed.value
     assert min(ratios) == pytest.approx(printed.value, abs=printed.tolerance)
 
@@ -78,7 +78,7 @@ def test_tolerance_is_half_a_unit_of_the_last_digit(printed, half):
 
 def test_good_row():
     (r,) = printed_data.parse_printed_table('source = "S"\nplace = "T"\n' + ROW, "t")
-    assert (r.value, r.tolerance, r.printed, r.place, r.cls) == (1.2, 0.005, "1.20", "S, T", "hard")
+    assert (r.value, r.tolerance, r.number_as_printed, r.place, r.entry_class) == (1.2, 0.005, "1.20", "S, T", "hard")
     (r,) = printed_data.parse_printed_table(ROW + "tolerance = 0.1\n", "t")
     assert r.tolerance == 0.1
 
@@ -126,20 +126,20 @@ def test_faulty_rows_are_refused(text, key):
 
 def test_a_band_is_not_called_reproduced():
     entry = row("lin-2.4.1", "case1_ratio")
-    judged = [Evidence(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
+    judged = [PrintedEntryComparison(entry, value).verdict for value in (entry.low, entry.high + 1.0, None)]
     assert judged == ["band", "contradicted", "not identifiable"]
 
 
 def all_rows():
-    return [row for name in TABLES for row in printed_data.load_table(name)]
+    return [row for name in TABLES for row in printed_data.load_printed_table(name)]
 
 
 def test_inputs_are_a_class_of_their_own_and_never_reproduced():
-    given = {r.key for r in all_rows() if r.cls == "input"}
+    given = {r.key for r in all_rows() if r.entry_class == "input"}
     assert {"R_B", "conformity", "mu", "force", "beta", "e_p", "gamma_high"} <= given
     for r in all_rows():
-        assert (r.kind == "input") == (r.cls == "input")
-        assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
-        if r.cls == "input":
-            judged = [Evidence(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
+        assert (r.kind == "input") == (r.entry_class == "input")
+        assert not (r.entry_class == "hard" and r.remark.startswith("Given")), (r.table, r.key)
+        if r.entry_class == "input":
+            judged = [PrintedEntryComparison(r, value=value).verdict for value in (r.value, r.value + abs(r.value) + 1.0)]
             assert judged == ["input", "contradicted"]

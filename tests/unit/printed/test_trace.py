@@ -8,19 +8,19 @@ import pytest
 from tests.copies import ROOT
 from tests.sources.entries import keys
 
-from rollbench.compare.evidence import all_computations, computations_with_function, evidence, origins_of_entries
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table, printed_table_names
+from rollbench.compare.evidence import all_computations, computations_of_entries, computations_with_function, evidence
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table, printed_table_names
 
 #: The cases' modules are imported by the names that ``computations.toml`` gives.
 pytestmark = pytest.mark.further
 BY_TABLE, NOT_COMPUTED = computations_with_function(), all_computations().keys() - computations_with_function().keys()
 COMPUTATIONS = tuple(BY_TABLE.values())
-TRACES = list(origins_of_entries())
+TRACES = list(computations_of_entries())
 
 
 def test_every_printed_entry_is_traced_once():
-    entries = Counter((r.table, r.key) for name in printed_table_names() for r in load_table(name))
+    entries = Counter((r.table, r.key) for name in printed_table_names() for r in load_printed_table(name))
     assert Counter((t.table, t.key) for t in TRACES) == entries
     assert set(all_computations()) == set(printed_table_names())
 
@@ -38,9 +38,9 @@ def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_e
 
 
 def test_evidence_of_a_table_is_in_its_order_and_computed_once():
-    study = Study()
+    study = SceneResultCache()
     first, again = (evidence(study, "lin-B1") for _ in range(2))
-    assert [e.printed for e in first] == list(load_table("lin-B1"))
+    assert [e.printed for e in first] == list(load_printed_table("lin-B1"))
     assert first[0] is again[0]
 
 
@@ -54,7 +54,7 @@ def test_command(command):
     assert "F_IR_II" in command.said("list", "--trace")
 
     rows = command.answer("list", "--trace", "--table", "smith-5")
-    assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_table("smith-5")]
+    assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_printed_table("smith-5")]
     assert {r["key"]: r["no_scene"] for r in rows}["accuracy_ball"] == "measured by the source: shown, not computed"
     out = command("list", "--table", "smith-5").out
     for row in rows:

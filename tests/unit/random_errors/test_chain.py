@@ -9,7 +9,7 @@ from scipy.optimize import brentq, minimize
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.jit import RANDOM_ERRORS, load_kernel_package
 from rollbench.lowfi.random_errors import chain as chains
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.meshes.helix import ball_layout, lead_angle
 from rollbench.meshes.section import screw_section
@@ -95,13 +95,13 @@ def test_conditions_of_the_minimum(law, load):
     free = chains.axial_motion_at_touch(chain, e)
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
-    assert 0 < s.loaded <= 78
+    assert 0 < s.loaded_balls <= 78
 
 
 def test_two_balls_by_hand():
     """Constant angle, no error: k d2^1.5 carried by ball 2 stretches the one segment."""
     chain = chains.BallScrewChain(2, 7e9, 1e-9, A, ANGLE, LEAD, "constant")
-    slope, load = chain.slope, 200.0
+    slope, load = chain.approach_per_motion, 200.0
 
     def excess(q2):
         q1 = load / slope - q2
@@ -113,7 +113,7 @@ def test_two_balls_by_hand():
 
 def test_rigid_bodies_share_equally_and_load_as_hertz():
     chain, s = solved(5000.0, compliance=0.0, law="constant")
-    assert s.load == pytest.approx(np.full(78, 5000.0 / 78 / chain.slope), rel=1e-12)
+    assert s.load == pytest.approx(np.full(78, 5000.0 / 78 / chain.approach_per_motion), rel=1e-12)
     # F = 78 slope K (slope u)^1.5
     assert s.stiffness == pytest.approx(1.5 * 5000.0 / s.displacement, rel=1e-12)
     _, soft = solved(5000.0, compliance=1e-20, law="constant")
@@ -146,7 +146,7 @@ def test_motion_grows_and_falls_back_on_energy(law):
     states = [chains.solve_ball_screw(chain, e, f) for f in loads]
     for name in ("motion", "load"):
         assert np.all(np.diff([getattr(s, name) for s in states], axis=0) >= 0.0)
-    assert np.all(np.diff([s.loaded for s in states]) >= 0)
+    assert np.all(np.diff([s.loaded_balls for s in states]) >= 0)
     if law == "constant":
         assert np.all(np.diff([s.stiffness for s in states]) > 0.0)
     fine = np.linspace(1e-3, 4000.0, 801)
@@ -170,7 +170,7 @@ def test_displacement_starts_at_the_first_touch(law):
     chain, e = replace(LONG, law=law), long_errors(6, 3e-6)
     e[20] = 4e-6
     s = chains.solve_ball_screw(chain, e, 1e-3)
-    assert s.loaded == 1
+    assert s.loaded_balls == 1
     alone = chains.BallScrewChain(
         1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant"
     )
@@ -191,14 +191,14 @@ def test_ball_joins_at_its_load():
         chains.load_at_which_ball_is_loaded(LONG, e, 32, 0.9 * load)
     # rigid, constant angle: the other 77 balls close the gap
     rigid = replace(LONG, compliance=0.0, law="constant")
-    by_hand = 77 * rigid.slope * rigid.stiffness * 2e-6**1.5
+    by_hand = 77 * rigid.approach_per_motion * rigid.stiffness * 2e-6**1.5
     assert chains.load_at_which_ball_is_loaded(rigid, e, 32, 5000.0) == pytest.approx(by_hand, rel=1e-9)
 
 
 def test_same_as_mei_with_a_rigid_nut():
     """The axial model on scenes, of beams' sections, agrees where it is the same: constant angle, one elastic body."""
     s = scene("lin-case1")
-    other, layout, constants = solve_mei(s), ball_layout(s), error_free_hertz(s).C
+    other, layout, constants = solve_mei(s), ball_layout(s), hertz_without_errors(s).C
     spacing = float(np.diff(np.sort(layout.z))[0])
     stiffness = float((constants[0] + constants[3]) ** -1.5)
     chain = chains.BallScrewChain(

@@ -27,7 +27,7 @@ def test_every_member_as_solved_alone(law):
     for i, errors in enumerate(draw_uniform_errors(7, 0, 6, 78, 2e-6)):
         for load in LOADS:
             s = solve_ball_screw(chain, errors, load)
-            alone = (s.load.min(), s.load.max(), s.loaded, s.displacement, s.displacement_first_loaded, s.stiffness)
+            alone = (s.load.min(), s.load.max(), s.loaded_balls, s.displacement, s.displacement_first_loaded, s.stiffness)
             together = [found.values_at(name, load)[i] for name in QUANTITIES]
             assert together == pytest.approx(alone, rel=1e-10, abs=1e-14)
     assert found.failed == 0 <= found.residual < 1e-10
@@ -54,9 +54,9 @@ def test_moments_to_first_order():
     deviation = share * 1.5 / approach * half / np.sqrt(3.0) * np.sqrt(77 / 78)
     assert loads.std() == pytest.approx(deviation, rel=0.02)
     found = solve_ensemble(chain, half, [load], 500, seed=5)
-    touch = found.values_at("displacement", load) - errors.max(axis=1) / chain.slope
+    touch = found.values_at("displacement", load) - errors.max(axis=1) / chain.approach_per_motion
     # motion: that without errors less the mean error
-    assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.slope, rel=1e-5)
+    assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.approach_per_motion, rel=1e-5)
 
 
 def test_percentiles_have_the_sampling_error_of_repeated_samples():
@@ -66,14 +66,18 @@ def test_percentiles_have_the_sampling_error_of_repeated_samples():
         percentile_rank(sample, 5000.0),
         percentile_rank(np.zeros(100), 0.0),
     )
-    assert [(p.middle, p.tail_probability) for p in (inside, beyond, repeated)] == [(25.0, 0.25), (100.0, 0.0), (50.0, 1.0)]
-    assert inside.error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
-    assert beyond.error > 0.0
+    assert [(p.percent, p.tail_probability) for p in (inside, beyond, repeated)] == [
+        (25.0, 0.25),
+        (100.0, 0.0),
+        (50.0, 1.0),
+    ]
+    assert inside.standard_error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
+    assert beyond.standard_error > 0.0
     assert beyond.tail_bound == pytest.approx(2.7 / 1000, rel=0.01)
     assert percentile_rank(sample, 10.0, 0.5).tail_probability == 0.011
     rng = np.random.default_rng(0)
-    places = [percentile_rank(rng.random(400), 0.9).middle for _ in range(400)]
-    assert np.std(places) == pytest.approx(percentile_rank(rng.random(400), 0.9).error, rel=0.2)
+    places = [percentile_rank(rng.random(400), 0.9).percent for _ in range(400)]
+    assert np.std(places) == pytest.approx(percentile_rank(rng.random(400), 0.9).standard_error, rel=0.2)
 
 
 def test_bad_input_is_refused():

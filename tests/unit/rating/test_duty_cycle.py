@@ -10,8 +10,8 @@ from rollbench.lowfi.rating.life import (
     PARTING,
     basic_rating_life,
     contact_capacity,
+    damage_equivalent_contact_loads,
     dynamic_rating,
-    equivalent_contact_loads,
     forces_on_halves,
     life_by_equivalent_loads,
 )
@@ -29,12 +29,12 @@ def loads(*columns: int) -> np.ndarray:
 
 def test_one_case_is_the_life_of_its_loads_to_the_last_digit() -> None:
     load = loads(0, 3)
-    assert np.array_equal(equivalent_contact_loads([load], [1.0]), load)
-    assert basic_rating_life(SCREW, equivalent_contact_loads([load], [1.0])) == basic_rating_life(SCREW, load)
-    assert basic_rating_life(SCREW, equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])) == basic_rating_life(
+    assert np.array_equal(damage_equivalent_contact_loads([load], [1.0]), load)
+    assert basic_rating_life(SCREW, damage_equivalent_contact_loads([load], [1.0])) == basic_rating_life(SCREW, load)
+    assert basic_rating_life(SCREW, damage_equivalent_contact_loads([load, 9.0 * load], [1.0, 0.0])) == basic_rating_life(
         SCREW, load
     ), "a static check wears nothing"
-    equal = basic_rating_life(SCREW, equivalent_contact_loads([load, load], [0.3, 0.7]))
+    equal = basic_rating_life(SCREW, damage_equivalent_contact_loads([load, load], [0.3, 0.7]))
     assert equal.revolutions == pytest.approx(basic_rating_life(SCREW, load).revolutions, rel=1e-12)
 
 
@@ -46,7 +46,7 @@ def test_damage_adds_up_place_by_place() -> None:
         damage = sum(n * (load[:, s] / capacity[s]) ** 3 for n, load in zip(shares, cases, strict=True))
         places = damage if s > 1 else np.full_like(damage, damage.mean())
         wear += float(np.mean(places ** (10.0 / 9.0)))
-    found = basic_rating_life(SCREW, equivalent_contact_loads(cases, list(shares)))
+    found = basic_rating_life(SCREW, damage_equivalent_contact_loads(cases, list(shares)))
     assert found.revolutions == pytest.approx(wear**-0.9, rel=1e-12)
 
 
@@ -54,7 +54,7 @@ def test_a_nut_whose_places_take_turns_lives_longer_than_one_whose_places_do_not
     first, second = np.zeros((2, SCREW.ball_count, 4))
     first[:16, 3], second[16:, 3] = 300.0, 300.0
     apart, same = (
-        basic_rating_life(SCREW, equivalent_contact_loads([first, other], [0.5, 0.5])) for other in (second, first)
+        basic_rating_life(SCREW, damage_equivalent_contact_loads([first, other], [0.5, 0.5])) for other in (second, first)
     )
     assert apart.revolutions > 1.05 * same.revolutions
 
@@ -74,7 +74,7 @@ def test_equivalent_load_of_a_nut_with_play() -> None:
     one = standard([2000.0], [1.0])
     assert one.revolutions == pytest.approx((C / 2000.0) ** 3, rel=1e-12)
     two = standard([2000.0, 4000.0], [0.75, 0.25])
-    assert two.loads == pytest.approx(((0.75 * 2000.0**3 + 0.25 * 4000.0**3) ** (1 / 3), 0.0))
+    assert two.equivalent_loads == pytest.approx(((0.75 * 2000.0**3 + 0.25 * 4000.0**3) ** (1 / 3), 0.0))
     both = standard([2000.0, -2000.0], [0.5, 0.5])
     assert both.revolutions == pytest.approx(2.0 * 2.0**-0.9 * one.revolutions), "two pairs of flanks, half the damage each"
 
@@ -83,7 +83,7 @@ def test_equal_contacts_in_every_case_agree_with_the_equivalent_load() -> None:
     even = np.zeros((SCREW.ball_count, 4))
     even[:, [0, 3]] = 1.0
     slope = dynamic_rating(SCREW) / basic_rating_life(SCREW, even).revolutions ** (1 / 3)  # axial force of contacts of 1 N
-    found = basic_rating_life(SCREW, equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
+    found = basic_rating_life(SCREW, damage_equivalent_contact_loads([100.0 * even, 250.0 * even], [0.6, 0.4]))
     by_standard = standard([100.0 * slope, 250.0 * slope], [0.6, 0.4])
     assert found.revolutions == pytest.approx(by_standard.revolutions, rel=1e-10)
 
@@ -128,7 +128,7 @@ def test_rings_have_ISO_281_s_factors() -> None:
         (60.0, (0.0, 0.0, 900.0), 900.0),
     ):
         ring, found = of_ring(force, angle)
-        assert found.loads[0] == pytest.approx(load)
+        assert found.equivalent_loads[0] == pytest.approx(load)
         assert found.revolutions == pytest.approx((dynamic_rating(ring) / load) ** 3, rel=1e-9)
     for angle, words in ((15.0, "at least 20 deg"), (60.0, "thrust")):
         with pytest.raises(ValueError, match=words):

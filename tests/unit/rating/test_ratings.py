@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.compare.models.answers import rate_contact_loads
+from rollbench.compare.models.answers import results_of_contact_loads
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.rating import contacts
 from rollbench.lowfi.rating.life import basic_rating_life, contact_capacity, dynamic_rating, filled_turns
@@ -18,8 +18,8 @@ from rollbench.lowfi.rating.rigidity import (
     three_axial_rigidities,
 )
 from rollbench.lowfi.statics import validity
-from rollbench.lowfi.statics.contacts import error_free_hertz, nominal_curvatures
-from rollbench.lowfi.statics.problem import centre_distances
+from rollbench.lowfi.statics.contacts import hertz_without_errors, nominal_curvatures
+from rollbench.lowfi.statics.problem import centre_vectors_and_interference
 from rollbench.meshes import errors, helix
 from rollbench.meshes.parts import BallErrors, Balls, Errors, FourierTerm, Material, Nut, Scene, Screw, SideErrors, Track
 
@@ -51,8 +51,8 @@ def oversized(scene: Scene, oversize: float) -> Scene:
     return replace(scene, errors=Errors(balls=BallErrors(oversize=oversize)))
 
 
-def drawn(scene: Scene) -> errors.Specimen:
-    return errors.draw_specimen(scene, helix.ball_layout(scene))
+def drawn(scene: Scene) -> errors.GeometryWithErrors:
+    return errors.draw_geometry_with_errors(scene, helix.ball_layout(scene))
 
 
 @pytest.mark.parametrize(("ratio", "printed"), [(0.10, 55.5), (0.16, 59.6), (0.20, 59.9), (0.26, 58.2)])
@@ -109,16 +109,18 @@ def test_uneven_loads_and_a_second_pair_shorten_life() -> None:
 def test_static_safety_at_the_rated_pressure_is_one_and_the_dent_about_a_ten_thousandth() -> None:
     """ISO 76 says of its 4200 MPa that both surfaces together are lastingly dented by about 1e-4 of the ball's diameter."""
     scene = ring(0.15)
-    force = float((validity.DENT_PRESSURE / error_free_hertz(scene).pressure(np.ones(4))[0]) ** 3)
+    force = float((validity.DENT_PRESSURE / hertz_without_errors(scene).pressure(np.ones(4))[0]) ** 3)
     load = loads(scene, force)
     worst = contacts.contact_of_highest_pressure(scene, drawn(scene), load, np.where(load > 0.0, 0.0, np.nan))
     assert worst.side == "SL"
     assert worst.pressure == pytest.approx(1.5 * force / (pi * worst.a * worst.b))
     safety = contacts.static_safety(scene, drawn(scene), worst)
     assert safety.factor == pytest.approx(1.0)
-    assert safety.permanent == pytest.approx(1e-4, rel=0.5)
+    assert safety.permanent_indentation == pytest.approx(1e-4, rel=0.5)
     across, along = 1e-3 * nominal_curvatures(scene)[0]
-    assert 10.0 * safety.permanent == pytest.approx(1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9)  # in mm
+    assert 10.0 * safety.permanent_indentation == pytest.approx(
+        1.3e-7 * force**2 / 10.0 * across * along, rel=1e-9
+    )  # in mm
 
 
 @pytest.mark.parametrize("hertz", ["nominal", "error-free"])
@@ -129,14 +131,14 @@ def test_the_worst_contact_is_that_of_the_ball_that_is_there(hertz: str) -> None
     scene = replace(scene, **wide, ingredients=replace(scene.ingredients, hertz=hertz))
     load = np.zeros((2, 4))
     load[0, 0] = 290.4
-    found = rate_contact_loads(scene, load, np.full((2, 4), pi / 4))
-    values = 1e-6 * found.worst.pressure, 1e3 * found.worst.a, 1e6 * found.worst.approach
+    found = results_of_contact_loads(scene, load, np.full((2, 4), pi / 4))
+    values = 1e-6 * found.worst_contact.pressure, 1e3 * found.worst_contact.a, 1e6 * found.worst_contact.approach
     assert values == pytest.approx((3038.5, 0.2831, 8.775), rel=2e-4)
     larger = replace(scene, balls=replace(scene.balls, radius=4.005e-3), errors=Errors())
-    same = rate_contact_loads(larger, load, np.full((2, 4), pi / 4))
+    same = results_of_contact_loads(larger, load, np.full((2, 4), pi / 4))
     assert found.safety.factor == pytest.approx(same.safety.factor, rel=1e-4)
-    assert found.safety.permanent == pytest.approx(same.safety.permanent, rel=1e-4)
-    assert found.reach.half == pytest.approx(same.reach.half, rel=1e-4)
+    assert found.safety.permanent_indentation == pytest.approx(same.safety.permanent_indentation, rel=1e-4)
+    assert found.truncation.half_width_angle == pytest.approx(same.truncation.half_width_angle, rel=1e-4)
 
 
 def test_the_worst_contact_of_a_wider_groove_has_the_wider_groove_s_pressure() -> None:
@@ -145,7 +147,7 @@ def test_the_worst_contact_of_a_wider_groove_has_the_wider_groove_s_pressure() -
     wider = replace(scene, screw=replace(scene.screw, groove_radius=scene.screw.groove_radius + 20e-6))
     load = loads(scene, 100.0) * [1.0, 0.0, 0.0, 0.0]
     before, by_error, by_key = (
-        rate_contact_loads(s, load, np.full((4, 4), 0.7)).worst.pressure for s in (scene, wide, wider)
+        results_of_contact_loads(s, load, np.full((4, 4), 0.7)).worst_contact.pressure for s in (scene, wide, wider)
     )
     assert by_error == pytest.approx(by_key, rel=1e-4)
     assert by_key > 1.002 * before
@@ -156,16 +158,16 @@ def test_an_ellipse_over_the_edge_of_the_land_is_cut_and_says_where() -> None:
     load = loads(scene, 100.0)
     angle = np.where(load > 0.0, scene.track.contact_angle, np.nan)
     free = contacts.most_truncated_ellipse(scene, drawn(scene), load, angle)
-    assert free.margin > 0.0 == free.cut
-    angle[2, 0] = free.limit - 0.5 * free.half
+    assert free.margin > 0.0 == free.truncated_contacts
+    angle[2, 0] = free.edge_angle - 0.5 * free.half_width_angle
     over = contacts.most_truncated_ellipse(scene, drawn(scene), load, angle)
-    assert (over.ball, over.side, over.edge, over.cut) == (3, "SL", "land", 1)
-    assert over.margin == pytest.approx(-0.5 * free.half)
+    assert (over.ball, over.side, over.edge, over.truncated_contacts) == (3, "SL", "land", 1)
+    assert over.margin == pytest.approx(-0.5 * free.half_width_angle)
 
 
 def test_contacts_alone_are_Hertz_and_stiffer_under_preload() -> None:
     scene = catalogue.scene("lin-case1")
-    h, s = error_free_hertz(scene), approach_per_displacement(scene)
+    h, s = hertz_without_errors(scene), approach_per_displacement(scene)
     each = 5000.0 / (32 * s)
     closed = (h.C[0] + h.C[3]) * each ** (2 / 3) / s
     assert displacement_by_contacts_only(scene, 5000.0) == pytest.approx(closed, rel=1e-9)
@@ -182,9 +184,9 @@ def test_bodies_add_the_displacement_of_thick_tubes_in_the_form_of_ISO_3408_4() 
     assert axial_compliance_of_bodies(scene) == pytest.approx(sum_ / (2 * pi * 2 * 20e-3 * E), rel=1e-9)
     assert axial_compliance_of_bodies(ring(0.15)) is None
     found = three_axial_rigidities(scene, -5000.0, -20e-6)
-    assert found.contacts > found.bodies
-    assert found.practice == pytest.approx(0.8 * found.bodies)  # what makers advise to take
-    assert found.unequal == pytest.approx(250e6)
+    assert found.contacts_only > found.with_bodies
+    assert found.makers_practice == pytest.approx(0.8 * found.with_bodies)  # what makers advise to take
+    assert found.with_unequal_loads == pytest.approx(250e6)
     assert three_axial_rigidities(scene, 0.0, None) is None
 
 
@@ -204,7 +206,7 @@ def test_a_bearing_of_62_deg_is_rated_as_a_thrust_bearing_and_one_of_45_deg_is_n
     assert (0.95 / (0.9 * (1 - sin(a) / 3))) ** 3 == pytest.approx(3.35, abs=0.005)
     found, axial = basic_rating_life(scene, loads(scene, 500.0)), 9 * 500.0 * sin(a)
     assert (found.revolutions, found.equivalent) == pytest.approx(((dynamic_rating(scene) / axial) ** 3, axial), rel=1e-12)
-    assert [contacts.dynamic_and_static_ratings(ring(0.1, angle=np.radians(x))).axial for x in (40.0, 45.0, 46.0)] == [
+    assert [contacts.dynamic_and_static_ratings(ring(0.1, angle=np.radians(x))).is_axial for x in (40.0, 45.0, 46.0)] == [
         False,
         False,
         True,
@@ -242,8 +244,10 @@ def test_the_dynamic_rating_is_that_of_a_maker_who_prints_balls_and_diameters() 
 def test_displacement_by_a_load_far_below_the_preload_is_not_lost_beside_it() -> None:
     """A load of 1e-12 of the preload, and the linear stiffness N s^2 3 sqrt(c) / C^(3/2) of both diagonals."""
     scene = oversized(catalogue.scene("unseen-40x10"), 5e-6)
-    C, s = error_free_hertz(scene).C, approach_per_displacement(scene)
-    closure = float(centre_distances(scene, errors.draw_specimen(scene, helix.ball_layout(scene)))[1].mean())
+    C, s = hertz_without_errors(scene).C, approach_per_displacement(scene)
+    closure = float(
+        centre_vectors_and_interference(scene, errors.draw_geometry_with_errors(scene, helix.ball_layout(scene)))[1].mean()
+    )
     stiff = 3.0 * scene.ball_count * s**2 * np.sqrt(closure) / (C[0] + C[3]) ** 1.5
     for force in (1.0, 1e-6):
         assert displacement_by_contacts_only(scene, force) == pytest.approx(force / stiff, rel=1e-3)

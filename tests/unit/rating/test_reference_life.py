@@ -11,11 +11,11 @@ import rollbench
 from rollbench.lowfi.rating import iso_lives, roller_life
 from rollbench.lowfi.rating.life import basic_rating_life, dynamic_rating
 from rollbench.lowfi.rollers import (
-    circular_crown,
+    circular_crown_profile,
     slice_middles,
     slice_roller,
     sliced_roller_state_at_approach,
-    tapered_bearing,
+    tapered_bearing_of_row,
 )
 
 ROW = replace(ROLLERS, cup_angle=np.radians(15.0), roller_angle=np.radians(2.0))
@@ -30,8 +30,8 @@ def uneven(slices: int) -> np.ndarray:
 def test_rollers_by_the_standards_formulas_written_out_lamina_by_lamina():
     """From C_r, with the standard's rounded 0.378, 0.364 and 1.038."""
     n, Z, q = 32, ROW.count, uneven(32) * ROW.length / 32
-    C, alpha = roller_life.dynamic_rating(ROW), ROW.cup_angle
-    g = ROW.diameter * np.cos(alpha) / tapered_bearing(ROW).pitch_diameter
+    C, alpha = roller_life.dynamic_rating_of_row(ROW), ROW.cup_angle
+    g = ROW.diameter * np.cos(alpha) / tapered_bearing_of_row(ROW).pitch_diameter
     ratio = 1.038 * ((1 - g) / (1 + g)) ** (143 / 108)
     Q_ci = C / (0.83 * 0.378 * Z * np.cos(alpha)) * (1 + ratio ** (9 / 2)) ** (2 / 9)
     Q_ce = C / (0.83 * 0.364 * Z * np.cos(alpha)) * (1 + ratio ** (-9 / 2)) ** (2 / 9)
@@ -60,17 +60,17 @@ def test_without_the_edges_an_even_load_has_ISO_281s_load_times_the_reduction(mo
     monkeypatch.setattr(iso_lives, "edge_stress_factors", np.ones)
     row = replace(ROW, cup_angle=np.radians(angle))
     even = np.full((row.count, 15), 1e5)
-    P, C = roller_life.basic_rating_life_of_row(row, even).equivalent, roller_life.dynamic_rating(row)
+    P, C = roller_life.basic_rating_life_of_row(row, even).equivalent, roller_life.dynamic_rating_of_row(row)
     assert iso_lives.roller_reference_life(row, even).revolutions == pytest.approx((reduced * P / C) ** -4, rel=1e-9)
 
 
 def test_few_slices_are_divided_and_a_profile_that_unloads_the_edges_makes_their_number_indifferent():
     even = [iso_lives.roller_reference_life(ROW, np.full((ROW.count, n), 1e5)).revolutions for n in (15, 30)]
     assert even[0] == even[1]
-    bearing = tapered_bearing(ROW)
+    bearing = tapered_bearing_of_row(ROW)
     lives = []
     for n in (40, 80, 160):
-        roller = slice_roller(bearing, n, circular_crown(2.0))
+        roller = slice_roller(bearing, n, circular_crown_profile(2.0))
         q = sliced_roller_state_at_approach(roller, 8e-6).line_loads
         assert q[0] == q[-1] == 0.0
         lives.append(iso_lives.roller_reference_life(ROW, np.tile(q, (ROW.count, 1))).revolutions)

@@ -8,15 +8,15 @@ from tests.axes import ROLLERS, assembly, fixed_axis, solved
 from tests.helpers import ALL_BUT_AXIAL
 from tests.shipped_texts import own_text
 
-from rollbench.compare.models.load_cases import solve_axis_with_results
-from rollbench.compare.models.registry import Options
+from rollbench.compare.models.load_cases import solve_shaft_with_results
+from rollbench.compare.models.registry import ModelOptions
 from rollbench.compare.results.rows import bearing_and_nut_rows, solution_rows
 from rollbench.compare.results.scene_json import axis_summary_json
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.hertz import hertz_constants
-from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure, roller_safety
+from rollbench.lowfi.rating.contacts import roller_contact_of_highest_pressure, roller_static_safety
 from rollbench.lowfi.rollers import half_widths_and_pressures_of_slices
-from rollbench.lowfi.statics.axis.system import tapered_bearing
+from rollbench.lowfi.statics.axis.system import tapered_bearing_of_row
 from rollbench.meshes.axis import RollingSet, Segment
 from rollbench.meshes.parts import Load, Support
 
@@ -43,7 +43,7 @@ def row(thrust: float, tilt: float = 0.0, **options):
 
 def limit(pressure: float) -> float:
     """Thrust [N] on the row at which the small ends of its rollers have a pressure [Pa], by closed form."""
-    bearing = tapered_bearing(ROLLERS)
+    bearing = tapered_bearing_of_row(ROLLERS)
     small = bearing.apex_distance - 0.5 * ROLLERS.length * (1.0 - 1.0 / ROLLERS.slices)
     curvature = 1.0 / (small * np.tan(bearing.roller_angle)) + 1.0 / (small * np.tan(bearing.cone_angle))
     modulus = bearing.young / (2.0 * (1.0 - bearing.poisson**2))
@@ -53,9 +53,9 @@ def limit(pressure: float) -> float:
 
 def test_pressure_is_that_of_two_cylinders_and_of_the_long_ellipse():
     """A strip is the middle of an ellipse that goes on for ever: 3 F/(2 pi a b) with F/(2 a) = 2 q/3 has its pressure."""
-    bearing, q = tapered_bearing(ROLLERS), np.full((1, 1), 3e5)
+    bearing, q = tapered_bearing_of_row(ROLLERS), np.full((1, 1), 3e5)
     half, pressure = half_widths_and_pressures_of_slices(bearing, q)
-    radii = bearing.radii()
+    radii = bearing.curvature_radii()
     modulus = bearing.young / (2.0 * (1.0 - bearing.poisson**2))
     for race, sign in enumerate((1.0, -1.0)):
         curvature = 1.0 / radii[0] + sign / radii[1 + race]
@@ -73,11 +73,13 @@ def test_even_load_presses_hardest_at_the_small_end_of_the_cone():
     worst = roller_contact_of_highest_pressure(replace(ROLLERS, slices=15), q)
     assert (worst.roller, worst.race) == (2, "inner")
     assert worst.force == pytest.approx(3e5 * ROLLERS.length)
-    assert worst.place == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
-    reach = tapered_bearing(ROLLERS).apex_distance
-    assert worst.pressure / worst.middle == pytest.approx(np.sqrt(reach / (reach + worst.place)), rel=1e-12)
-    assert worst.other < worst.pressure
-    assert roller_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
+    assert worst.position_along_roller == pytest.approx(-0.5 * ROLLERS.length * 14.0 / 15.0)
+    reach = tapered_bearing_of_row(ROLLERS).apex_distance
+    assert worst.pressure / worst.uniform_load_pressure == pytest.approx(
+        np.sqrt(reach / (reach + worst.position_along_roller)), rel=1e-12
+    )
+    assert worst.other_race_pressure < worst.pressure
+    assert roller_static_safety(worst).factor == pytest.approx((4e9 / worst.pressure) ** 2)
     assert roller_contact_of_highest_pressure(ROLLERS, np.zeros((3, 7))) is None
 
 
@@ -186,9 +188,9 @@ def test_the_table_is_of_the_worst_set_and_that_of_sets_has_all():
     places = (("rollers +", 0.03, "+z", -20e-6), ("rollers -", 0.07, "-z", 20e-6))
     rows = [RollingSet(name, "tapered roller bearing", ROLLERS, z, offset=by, thrust=t) for name, z, t, by in places]
     axis = fixed_axis((0.0, 0.0, 600.0))
-    one = solve_axis_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", Options())
-    found = [x.loads for x in one.answers.sets]
-    shares = [x.worst.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
+    one = solve_shaft_with_results(replace(axis, sets=(*rows, *axis.sets[2:])), "lin", ModelOptions())
+    found = [x.load_results for x in one.derived_results.set_results]
+    shares = [x.worst_contact.pressure / (4.2e9 if i > 1 else 4.0e9) for i, x in enumerate(found)]
     first = axis_summary_json(one)["worst_set"] - 1
     assert shares[first] == max(shares)
     answers, sets = {row.quantity: row.value for row in solution_rows(one)}, bearing_and_nut_rows(one)

@@ -7,21 +7,26 @@ import numpy as np
 import pytest
 
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import scene_tables
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.rating.catalogue_checks import (
     FACTORS,
     buckling_load_and_critical_speed,
-    free_lengths,
+    free_lengths_with_supports,
     root_diameter,
     shaft_compression,
     shaft_limits,
 )
 from rollbench.lowfi.rating.contacts import static_rating
-from rollbench.lowfi.rating.iso_lives import fatigue_limit, life_factor_for_lubrication, modified_life, reliability_factor
+from rollbench.lowfi.rating.iso_lives import (
+    fatigue_load_limit,
+    life_factor_for_lubrication,
+    modified_life,
+    reliability_factor,
+)
 from rollbench.lowfi.rating.life import basic_rating_life
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Motion, Operation, Support
 
@@ -59,7 +64,7 @@ def test_thk_s_worked_example_of_a_high_speed_transfer():
         critical = buckling_load_and_critical_speed(1.1, ("fixed", "supported"), root, 0.0, 206e9)[1] * 30.0 / pi
         assert 0.8 * critical == pytest.approx(printed, rel=2e-3)
     s = scene("unseen-16x5")
-    result = run_model(s, "lin", Options(discretisation=False))
+    result = run_model(s, "lin", ModelOptions(estimate_beam_mesh_error=False))
     ends = (Support(0.0, FIXED), Support(0.05, FIXED))  # so short that it cannot whirl
     for across, printed in ((20.75e-3, 3370.0), (31.25e-3, 2240.0)):
         of = replace(
@@ -108,10 +113,10 @@ def test_a_beam_of_elements_whirls_and_buckles_there(ends):
 def test_holding_is_read_from_the_supports():
     s = scene("unseen-16x5")
     ends = (Support(0.0, FIXED), Support(s.screw.length, FIXED[:2]))
-    assert free_lengths(replace(s, supports=ends)) == [(s.screw.length, ("fixed", "supported"))]
+    assert free_lengths_with_supports(replace(s, supports=ends)) == [(s.screw.length, ("fixed", "supported"))]
     three = replace(s, supports=(*ends, Support(0.1, FIXED)))
-    assert [x[1] for x in free_lengths(three)] == [("fixed", "supported"), ("supported", "supported")]
-    assert free_lengths(replace(s, supports=ends[:1])) == [(s.screw.length, ("fixed", "free"))]
+    assert [x[1] for x in free_lengths_with_supports(three)] == [("fixed", "supported"), ("supported", "supported")]
+    assert free_lengths_with_supports(replace(s, supports=ends[:1])) == [(s.screw.length, ("fixed", "free"))]
     assert shaft_limits(replace(s, supports=ends[1:]), run_model(s, "lin")) is None
     assert all(ends in FACTORS for ends in ENDS)
 
@@ -127,7 +132,7 @@ def test_root_is_where_the_arcs_meet():
 def test_only_what_presses_counts():
     """The load at the low end presses the shaft up to the nut, pulls it the other way round, and warns beyond half."""
     s = scene("unseen-16x5")
-    options = Options(discretisation=False)
+    options = ModelOptions(estimate_beam_mesh_error=False)
     pushed, pulled = (replace(s, loads=(replace(s.loads[0], at=0.0, force=(0.0, 0.0, f)),)) for f in (1500.0, -1500.0))
     assert shaft_compression(pushed, run_model(pushed, "lin", options)) == pytest.approx(1500.0, rel=1e-6)
     assert shaft_compression(pulled, run_model(pulled, "lin", options)) == pytest.approx(0.0, abs=1e-6)
@@ -153,12 +158,16 @@ def test_reliability_by_the_standard_s_table(share, printed):
 def test_lubricant_factor_is_continuous_and_bounded():
     for kappa in (0.4, 1.0, 4.0):
         for thrust in (False, True):
-            below, above = (life_factor_for_lubrication(kappa * f, 0.2, thrust=thrust) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+            below, above = (
+                life_factor_for_lubrication(kappa * f, 0.2, is_thrust_bearing=thrust) for f in (1.0 - 1e-9, 1.0 + 1e-9)
+            )
             assert below == pytest.approx(above, rel=3e-3)
     assert life_factor_for_lubrication(0.1, 5.0) == pytest.approx(0.1, rel=1e-2)
     assert life_factor_for_lubrication(1.0, 0.0) == pytest.approx(0.1)
     assert life_factor_for_lubrication(4.0, 1.0) == life_factor_for_lubrication(40.0, 1.0) == 50.0
-    assert life_factor_for_lubrication(2.0, 0.3, thrust=True) == pytest.approx(life_factor_for_lubrication(2.0, 0.1))
+    assert life_factor_for_lubrication(2.0, 0.3, is_thrust_bearing=True) == pytest.approx(
+        life_factor_for_lubrication(2.0, 0.1)
+    )
 
 
 def test_skf_s_two_values_of_one_bearing_follow_with_one_fatigue_limit():
@@ -170,20 +179,20 @@ def test_skf_s_two_values_of_one_bearing_follow_with_one_fatigue_limit():
 
 def test_fatigue_limit_is_the_load_of_1500_mpa():
     s = scene("unseen-four-point")
-    assert fatigue_limit(s) == pytest.approx(static_rating(s) / 22.0)
+    assert fatigue_load_limit(s) == pytest.approx(static_rating(s) / 22.0)
     screw = scene("unseen-16x5")
-    each = fatigue_limit(screw) / (screw.ball_count * np.sin(np.radians(45.0)) * np.cos(lead_angle(screw.track)))
-    assert error_free_hertz(screw).pressure(np.full(4, each)).max() == pytest.approx(1.5e9)
+    each = fatigue_load_limit(screw) / (screw.ball_count * np.sin(np.radians(45.0)) * np.cos(lead_angle(screw.track)))
+    assert hertz_without_errors(screw).pressure(np.full(4, each)).max() == pytest.approx(1.5e9)
 
 
 def test_modified_life_multiplies():
     s = scene("unseen-16x5")
-    load = run_model(s, "lin", Options(discretisation=False)).load
+    load = run_model(s, "lin", ModelOptions(estimate_beam_mesh_error=False)).load
     base = basic_rating_life(s, load)
     assert modified_life(s, base) is None
     of = Operation(reliability=95.0, viscosity_ratio=1.5, contamination=0.6)
     found = modified_life(replace(s, operation=of), base)
-    expected = life_factor_for_lubrication(1.5, 0.6 * fatigue_limit(s) / base.equivalent, thrust=True)
+    expected = life_factor_for_lubrication(1.5, 0.6 * fatigue_load_limit(s) / base.equivalent, is_thrust_bearing=True)
     assert found.a_iso == pytest.approx(expected)
     assert found.revolutions == pytest.approx(reliability_factor(95.0) * expected * base.revolutions)
     alone = modified_life(replace(s, operation=Operation(reliability=99.0)), base)

@@ -128,5 +128,5 @@ def test_jobs_run_over_tls(certificates):
         assert local.scheduler_address.startswith("tls://")
         with pytest.raises(InputError, match="no answer of a scheduler"):
             run([(sleepy, (0.0,))], "dask", local.scheduler_address)
-        parallel.use_tls(cert, cert, key)
+        parallel.set_tls_certificates(cert, cert, key)
         assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]

@@ -13,9 +13,9 @@ SIZES = {3: 1.0 / np.array([1.6, 2.2, 3.0]), 4: 1.0 / np.array([1.6, 2.2, 3.0, 4
 def test_known_order_and_limit(order: float, sizes: tuple[float, ...]) -> None:
     truth, values = 5.0, [5.0 + 0.3 * h**order for h in sizes]
     found = convergence.grid_convergence(values, sizes)
-    assert (found.label, found.text) == (convergence.MONOTONE, f"monotone, order {order:.2f}")
-    assert found.order == pytest.approx(order, rel=1e-6)
-    assert found.extrapolated == pytest.approx(truth, abs=1e-7)
+    assert (found.kind, found.kind_text) == (convergence.MONOTONE, f"monotone, order {order:.2f}")
+    assert found.credible_order == pytest.approx(order, rel=1e-6)
+    assert found.extrapolated_value == pytest.approx(truth, abs=1e-7)
     assert found.uncertainty >= 1.25 * (values[-1] - truth) * (1.0 - 1e-6)
     together = convergence.pooled_grid_uncertainty(np.column_stack([values, np.array(values) * -2.0 + 1.0]), sizes)
     assert together == pytest.approx([1.25 * 0.3, 1.25 * 0.6], rel=1e-5)
@@ -25,9 +25,9 @@ def test_known_order_and_limit(order: float, sizes: tuple[float, ...]) -> None:
 @pytest.mark.parametrize("sizes", [(4.0, 2.0, 1.0), (3.0, 2.2, 1.4, 1.0)])
 def test_orders_from_a_half_to_two_are_believed(order: float, believed: bool, sizes: tuple[float, ...]) -> None:
     found = convergence.grid_convergence([5.0 + 0.3 * h**order for h in sizes], sizes)
-    assert (found.label == convergence.MONOTONE) is believed
-    assert found.own_order == pytest.approx(order, abs=1e-5)
-    assert (found.extrapolated is not None) is believed
+    assert (found.kind == convergence.MONOTONE) is believed
+    assert found.fitted_order == pytest.approx(order, abs=1e-5)
+    assert (found.extrapolated_value is not None) is believed
 
 
 def test_units_scale_and_offset_change_nothing_else() -> None:
@@ -48,8 +48,8 @@ def test_units_scale_and_offset_change_nothing_else() -> None:
 def test_published_orders() -> None:
     """Celik et al. 2008, Table 1, first column: r = 1.5, 1.333, phi = 6.063, 5.972, 5.863 give p = 1.53, 6.1685."""
     found = convergence.grid_convergence([5.863, 5.972, 6.063], [1.5 * 1.333, 1.5, 1.0])
-    assert found.order == pytest.approx(1.53, abs=0.01)
-    assert found.extrapolated == pytest.approx(6.1685, abs=2e-3)
+    assert found.credible_order == pytest.approx(1.53, abs=0.01)
+    assert found.extrapolated_value == pytest.approx(6.1685, abs=2e-3)
     assert found.uncertainty >= 0.022 * 6.063
 
 
@@ -72,7 +72,7 @@ def test_labels_say_why_there_is_no_order(values: list[float], label: str, text:
         searched = convergence.fit_searched_order(np.array(values)[:, None], np.array(sizes)).order
         assert not 0.5 <= searched <= 2.0
         text += f"{searched:.2f})"
-    assert (found.text, found.label, found.order) == (text, label, None)
+    assert (found.kind_text, found.kind, found.credible_order) == (text, label, None)
     assert found.uncertainty == 0.0 if label == convergence.HELD else found.uncertainty > abs(values[-1] - values[-2])
 
 
@@ -100,13 +100,15 @@ def test_what_does_not_go_together_is_refused(values: list[float], sizes: list[f
 def test_fixed_orders_fit_their_own() -> None:
     h = SIZES[4] / SIZES[4][-1]
     y = np.column_stack([1.0 + h, 2.0 - 3.0 * h**2, 0.5 * h + h**2])
-    found = {(f.form, f.weighted): f for f in convergence.fit_fixed_orders(y, h, both=True)}
+    found = {
+        (f.fitted_function, f.weighted_by_cell_size): f for f in convergence.fit_fixed_orders(y, h, with_mixed_order=True)
+    }
     assert len(found) == 6
     for weighted in (False, True):
         for k, form in enumerate(("first order", "second order", "first and second order")):
-            assert np.abs(found[form, weighted].residual[:, k]).max() < 1e-12
-            assert found[form, weighted].limit[k] == pytest.approx((1.0, 2.0, 0.0)[k], abs=1e-9)
-    assert len(convergence.fit_fixed_orders(y[1:], h[1:], both=True)) == 4
+            assert np.abs(found[form, weighted].residuals[:, k]).max() < 1e-12
+            assert found[form, weighted].limits[k] == pytest.approx((1.0, 2.0, 0.0)[k], abs=1e-9)
+    assert len(convergence.fit_fixed_orders(y[1:], h[1:], with_mixed_order=True)) == 4
 
 
 def drawn(rng: np.random.Generator, levels: int, order: float, noise: float, m: int) -> tuple[np.ndarray, np.ndarray]:
@@ -141,7 +143,7 @@ def test_a_single_quantity_s_uncertainty_holds_the_truth(levels: int) -> None:
         for noise in (0.1, 0.5, 2.0, np.inf):
             y, h = drawn(rng, levels, order, noise, 40)
             found = [convergence.grid_convergence(column, h) for column in y.T]
-            shares.append(np.mean([abs(c.values[-1]) <= c.uncertainty for c in found]))
+            shares.append(np.mean([abs(c.values_by_level[-1]) <= c.uncertainty for c in found]))
             assert shares[-1] > 0.8, (order, noise)
     assert np.mean(shares) > 0.94
 

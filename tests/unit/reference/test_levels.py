@@ -16,8 +16,8 @@ LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_c
 def test_lengths_go_with_the_ball_and_counts_and_ratios_stay(level):
     """Twice the ball: the same mesh twice as large; the ball they are given for: as they are."""
     given = levels.SOURCE_MESH if level == levels.SOURCE_LEVEL else levels.LEVELS[level]
-    assert levels.scaled_settings(level, levels.BALL) == given
-    twice = levels.scaled_settings(level, 2.0 * levels.BALL)
+    assert levels.mesh_settings_of_level(level, levels.BALL) == given
+    twice = levels.mesh_settings_of_level(level, 2.0 * levels.BALL)
     assert twice.keys() == given.keys() <= {x.name for x in fields(Settings)}
     Settings(**twice)
     for name, value in given.items():

@@ -9,16 +9,23 @@ from skfem import MeshHex
 from tests.reference_records import run_of
 
 from rollbench.compare.models.modelling import (
-    combine_effects,
-    effect_of_variant,
-    effects_of_variants,
-    largest_modelling_uncertainty,
+    applicable_modelling_uncertainty,
+    combined_modelling_uncertainty,
+    effect_of_changed_choice,
+    effects_of_changed_choices,
 )
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.reference.levels import COUPLING, HOLE, LANDS, LENGTH, fix_half_of_face, with_twisted_supports
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.reference.levels import (
+    COUPLING,
+    HOLE,
+    LANDS,
+    LENGTH,
+    fix_half_of_face,
+    with_supports_turned_by_coupling,
+)
 from rollbench.compare.reference.store import save_run
 from rollbench.compare.scenes import catalogue
-from rollbench.hifi.condensation import expansion_of_free_nut_freedoms
+from rollbench.hifi.condensation import nut_freedoms_from_free_ones
 from rollbench.meshes import parts, solid
 
 CASE1 = catalogue.scene("lin-case1")
@@ -39,7 +46,7 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 
     def held(where: str) -> list[int]:
         """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
-        T = expansion_of_free_nut_freedoms(
+        T = nut_freedoms_from_free_ones(
             body, solid.dimensions_of_3d_parts(replace(CASE1, solid=parts.Solid(nut_held=where)))
         )
         fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
@@ -59,15 +66,15 @@ def test_a_ring_is_held_by_the_nodes_in_it() -> None:
 def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
     """Axial force and torque of the beams are statically determinate, so the stretch turns as a whole."""
     scene = replace(CASE1, supports=(*CASE1.supports, parts.Support(0.8, (("ux", 0.0), ("uy", 0.0)))))
-    turned = with_twisted_supports(scene)
+    turned = with_supports_turned_by_coupling(scene)
     before, after = (dict(s.supports[0].fixed) for s in (scene, turned))
     assert {k for k in before if before[k] != after[k]} == {"rz"}
     core = 16.5e-3 - 3.254e-3
     flexibility = 1.0 / np.sqrt(210e9 * np.pi * core**2 * 210e9 / 2.56 * np.pi * core**4 / 2.0)
     assert after["rz"] == pytest.approx(COUPLING * 5000.0 * 0.4 * flexibility, rel=1e-9)
     assert turned.supports[1] == scene.supports[1]
-    options = Options(discretisation=False, engine="interpreted")
-    a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, with_twisted_supports(CASE1)))
+    options = ModelOptions(estimate_beam_mesh_error=False, engine="interpreted")
+    a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, with_supports_turned_by_coupling(CASE1)))
     assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
 
 
@@ -80,26 +87,27 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
         ("modes", "modes", "numerical", 150.0),
     )
     effects = [
-        effect_of_variant("lin-case1", name, name, choice, kind, loads(*to), loads()) for name, choice, kind, *to in changed
+        effect_of_changed_choice("lin-case1", name, name, choice, kind, loads(*to), loads())
+        for name, choice, kind, *to in changed
     ]
-    found = combine_effects(CASE1, effects)
+    found = combined_modelling_uncertainty(CASE1, effects)
     assert found.contacts[:2, 0] == pytest.approx([np.hypot(3.0, 4.0), 1.0])
     assert found.largest == pytest.approx(5.0)
     assert found.rms == pytest.approx(np.sqrt((25.0 + 1.0) / 2.0))
     assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
     assert list(found.choices) == [HOLE, LANDS]
-    assert combine_effects(catalogue.scene("lin-case3"), effects) is None
-    assert largest_modelling_uncertainty("lin-case2", {"lin-case1": found}) == found.largest
-    assert largest_modelling_uncertainty("lin-case3", {"lin-case1": found}) is None
+    assert combined_modelling_uncertainty(catalogue.scene("lin-case3"), effects) is None
+    assert applicable_modelling_uncertainty("lin-case2", {"lin-case1": found}) == found.largest
+    assert applicable_modelling_uncertainty("lin-case3", {"lin-case1": found}) is None
 
 
 def test_what_a_store_holds(tmp_path) -> None:
-    assert effects_of_variants(CASE1, (tmp_path,)) == []
+    assert effects_of_changed_choices(CASE1, (tmp_path,)) == []
     for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
         save_run(tmp_path, CASE1, run_of("lin-case1", 1, loads(first), variant))
     with pytest.raises(ValueError, match="did not converge"):
         save_run(tmp_path, CASE1, replace(run_of("lin-case1", 1, loads(110.0), "hole"), status="no"))
-    found = {e.variant: e for e in effects_of_variants(CASE1, (tmp_path,))}
+    found = {e.variant: e for e in effects_of_changed_choices(CASE1, (tmp_path,))}
     assert set(found) == {"base", "junction", "coupling"}  # what did not converge says nothing
     assert found["junction"].error.max_percent == pytest.approx(2.0)
     assert found["junction"].choice == LENGTH

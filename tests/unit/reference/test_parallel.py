@@ -106,8 +106,8 @@ def wait(seconds: float, folder) -> float:
 
 
 def test_results_come_as_they_are_done_and_the_rest_is_dropped(tmp_path):
-    assert list(parallel.as_done([(wait, (0.0, tmp_path))] * 2)) == [(0, 0.0), (1, 0.0)]
-    some = parallel.as_done([(wait, (s, tmp_path)) for s in (1.5, 0.01, 0.02)], workers=2)
+    assert list(parallel.run_jobs([(wait, (0.0, tmp_path))] * 2)) == [(0, 0.0), (1, 0.0)]
+    some = parallel.run_jobs([(wait, (s, tmp_path)) for s in (1.5, 0.01, 0.02)], workers=2)
     assert next(some) == (1, 0.01)
     assert next(some) == (2, 0.02)
     some.close()
@@ -122,12 +122,12 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
 
 
 def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
-    from rollbench.compare.studies.sweep.run import make_sweep, solve_samples_of_sweep  # not above, as dask
+    from rollbench.compare.studies.sweep.run import solve_missing_samples, sweep_definition  # not above, as dask
 
-    sweep = make_sweep("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
-    engines = {"here": jobs.Engine(), "there": jobs.Engine("dask", scheduler, 2)}
+    sweep = sweep_definition("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
+    engines = {"here": jobs.ComputingSettings(), "there": jobs.ComputingSettings("dask", scheduler, 2)}
     here, there = (
-        solve_samples_of_sweep(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items()
+        solve_missing_samples(sweep, tmp_path / name, engine, lambda _: None) for name, engine in engines.items()
     )
     assert here == there
     assert [here[n]["status"] for n in range(12)] == ["converged"] * 12
@@ -281,12 +281,12 @@ def test_certificates_come_together_and_can_be_read(tmp_path):
     (tmp_path / "a.pem").write_text("x")
     name = str(tmp_path / "a.pem")
     with pytest.raises(InputError, match="tls_key: "):
-        parallel.use_tls(name, name, None)
+        parallel.set_tls_certificates(name, name, None)
     with pytest.raises(InputError, match="No such file"):
-        parallel.use_tls(name, str(tmp_path / "b.pem"), name)
-    parallel.use_tls(None, None, None)
+        parallel.set_tls_certificates(name, str(tmp_path / "b.pem"), name)
+    parallel.set_tls_certificates(None, None, None)
 
 
 def test_a_result_may_be_a_function_without_a_name() -> None:
-    found = dict(parallel.as_done([(nameless, (1,)), (nameless, (2,))], workers=2))
+    found = dict(parallel.run_jobs([(nameless, (1,)), (nameless, (2,))], workers=2))
     assert (found[0](10), found[1](10)) == (11, 12)

@@ -9,12 +9,12 @@ from tests.reference_records import run_of
 from rollbench.compare.gate import gate
 from rollbench.compare.models import comparison
 from rollbench.compare.models.registry import MODELS
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate, store
 from rollbench.compare.reference.estimate import Reference, reference_from_runs, reference_of_scene
 from rollbench.compare.reference.levels import LEVELS, STUDIED
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.studies.mesh_study import SCATTERS, accuracy_sentence, mesh_study_table_of_scene
+from rollbench.compare.studies.mesh_study import SCATTERS, mesh_accuracy_sentence, mesh_study_table_of_scene
 from rollbench.lowfi.statics import elastic, problem
 from rollbench.meshes.parts import SIDES
 from rollbench.meshes.section import BeamSection
@@ -41,8 +41,8 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent, on the case studies
     already. (All other scenes pass in the gate's own test.)"""
     monkeypatch.setattr(gate, "UNSEEN", ())
-    assert [row.name for row in gate.check_default_model(Study(), 7.0) if not row.passed] == []
-    right, stiff = elastic.grooved_section, problem.hertz_C
+    assert [row.name for row in gate.check_default_model(SceneResultCache(), 7.0) if not row.passed] == []
+    right, stiff = elastic.grooved_section, problem.hertz_constants_by_scene_choice
 
     def soft(geometry, screw):
         s = right(geometry, screw)
@@ -51,7 +51,7 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
     for module, name, off in ((elastic, "grooved_section", soft), (problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts))):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, off)
-            assert any(not row.passed for row in gate.check_default_model(Study(), 7.0))
+            assert any(not row.passed for row in gate.check_default_model(SceneResultCache(), 7.0))
 
 
 def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,7 +60,7 @@ def test_the_gate_deducts_the_reference_s_uncertainty(monkeypatch: pytest.Monkey
 
     def row(tight: float) -> gate.GateCheck:
         monkeypatch.setattr(gate, "TIGHT", tight)
-        (found,) = (row for row in gate.check_default_model(Study(), 7.0) if row.kind == "3D reference, tight")
+        (found,) = (row for row in gate.check_default_model(SceneResultCache(), 7.0) if row.kind == "3D reference, tight")
         return found
 
     error, bar = row(1.0).error_percent, row(1.0).uncertainty_percent
@@ -74,22 +74,27 @@ def _found(name: str) -> Reference:
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    points = comparison.contact_load_errors("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
+    points = comparison.contact_load_errors(
+        "lin-case1", _found("lin-case1"), 7.0, SceneResultCache().solve_once("lin-case1").load
+    )
     worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
     limit = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
     known = comparison.known_exceedances()
     monkeypatch.setattr(gate, "known_exceedances", list)
-    failed = [r for r in gate.check_lin_model(Study(), limit) if not r.passed]
+    failed = [r for r in gate.check_known_errors_of_lin_model(SceneResultCache(), limit) if not r.passed]
     assert any(f"ball {worst.ball} {worst.side} is beyond the limit but not listed" in r.detail for r in failed)
-    gone = comparison.Exceedance("lin-case1", 5, "SL", "no cause")
+    gone = comparison.KnownExceedance("lin-case1", 5, "SL", "no cause")
     monkeypatch.setattr(gate, "known_exceedances", lambda: [*known, gone])
-    assert any("ball 5 SL is listed but no longer" in r.detail for r in gate.check_lin_model(Study(), 7.0))
+    assert any(
+        "ball 5 SL is listed but no longer" in r.detail
+        for r in gate.check_known_errors_of_lin_model(SceneResultCache(), 7.0)
+    )
 
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene, found = CASE1, _found("lin-case1")
     of_lin = comparison.comparison_rows(
-        scene, comparison.loads_from_result(comparison.solve_and_time(MODELS["lin"], scene, found, None)[0]), found
+        scene, comparison.solution_from_result(comparison.solve_and_time(MODELS["lin"], scene, found, None)[0]), found
     )
     assert all(r.reference_error is not None for r in of_lin), "every comparison carries the reference's error bar"
     for quantity, most in (("load", 10.0), ("contact angle", 0.3)):
@@ -105,7 +110,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in of_lin if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
-    finest = next(a for a in comparison.loads_of_reference_runs(found, None) if a.model == f"3D level {max(STUDIED)}")
+    finest = next(a for a in comparison.solutions_of_reference_runs(found, None) if a.model == f"3D level {max(STUDIED)}")
     assert all(r.error_percent == 0.0 for r in comparison.comparison_rows(scene, finest, found) if r.quantity == "load")
 
 
@@ -172,21 +177,21 @@ def test_two_levels_give_parts_and_one_experience(tmp_path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 8.0
     store.save_run(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one, known = reference_of_scene(scene, (tmp_path,)), estimate.read_experience(store.shipped_store())
-    assert one.parts.by_experience
+    one, known = reference_of_scene(scene, (tmp_path,)), estimate.read_uncertainty_of_other_scenes(store.shipped_store())
+    assert one.parts.is_from_other_scenes
     assert one.uncertainty[0, 0] == pytest.approx(
-        known.single[0] + estimate.error_near_faces(scene, coarse, 1)[0, 0]
+        known.single[0] + estimate.load_error_near_faces(scene, coarse, 1)[0, 0]
     )  # of 100 N
     assert one.uncertainty[0, 1] == 0.0
-    assert accuracy_sentence(one).startswith("Enough: level 1 for ")
+    assert mesh_accuracy_sentence(one).startswith("Enough: level 1 for ")
     store.save_run(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference_of_scene(scene, (tmp_path,))
     shown = 64.0 / 64.0  # mean square of the changes, per cent of a mean load of 100 N within 0.2 %
     cells = [LEVELS[k]["fine"] ** 4 for k in (1, 2, 3)]
     fixed = 2.0 * known.sockets**2
     bar = 2.2 * np.sqrt((shown - fixed) * (cells[1] + cells[2]) / (cells[0] + cells[1]) + fixed)
-    assert two.parts.bar == pytest.approx(bar, rel=0.003)
-    assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.bar * finer[finer > 0.0].mean(), rel=1e-3)
+    assert two.parts.uncertainty == pytest.approx(bar, rel=0.003)
+    assert two.uncertainty[5, 3] == pytest.approx(0.01 * two.parts.uncertainty * finer[finer > 0.0].mean(), rel=1e-3)
     assert two.uncertainty[0, 0] / two.uncertainty[5, 3] == pytest.approx(1.08 ** (1.0 / 3.0), rel=1e-3)
     assert not any(
         " SR" in row["quantity"] or " NL" in row["quantity"] for row in mesh_study_table_of_scene(scene, (tmp_path,))

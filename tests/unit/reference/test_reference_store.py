@@ -7,14 +7,14 @@ import pytest
 from tests.reference_records import bodies_of, run_of
 
 from rollbench.compare.reference import jobs, levels, store
-from rollbench.compare.reference.store import content_key_of_run, load_run, path_of_bodies, path_of_run, save_run
+from rollbench.compare.reference.store import content_key_of_run, load_stored_run, path_of_bodies, path_of_run, save_run
 from rollbench.compare.reference.tasks import (
-    Task,
+    ReferenceTask,
     flanks_to_mesh,
     group_by_geometry,
     is_mesh_suitable,
     mesh_settings,
-    shared_mesh_geometry,
+    values_that_determine_meshes,
 )
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes import condensed, solid
@@ -27,33 +27,33 @@ def test_round_trip_and_damage(tmp_path) -> None:
     run = run_of("lin-case1", 2, loads)
     file = save_run(tmp_path, CASE1, run)
     assert file == path_of_run(tmp_path, CASE1, run)
-    back = load_run(CASE1, 2, stores=(tmp_path,))
+    back = load_stored_run(CASE1, 2, stores=(tmp_path,))
     assert np.array_equal(back.load, loads)
     assert np.array_equal(back.without["elastic nut"], loads)
     assert np.isnan(back.angle).all()
     assert (back.setup_seconds, back.sides, back.assumed, back.settings) == (3.0, (0, 3), ("nothing",), run.settings)
-    assert load_run(CASE1, 1, stores=(tmp_path,)) is None
+    assert load_stored_run(CASE1, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
     modes = levels.LEVELS[2]["modes"]
     other = whole.replace(f'"modes":{modes}', f'"modes":{modes + 1}')
     assert other != whole
     for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
-        assert load_run(CASE1, 2, stores=(tmp_path,)) is None
+        assert load_stored_run(CASE1, 2, stores=(tmp_path,)) is None
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
 
 
 def test_a_run_is_found_by_content_under_any_name(tmp_path) -> None:
     copy, heavier = replace(CASE1, name="my [copy]", title="x"), replace(CASE1, loads=())
     save_run(tmp_path, CASE1, run_of("lin-case1", 2, np.ones((32, 4))))
-    found = load_run(copy, 2, stores=(tmp_path,))
+    found = load_stored_run(copy, 2, stores=(tmp_path,))
     assert (found.scene, found.load.sum()) == ("lin-case1", 128.0)
-    assert load_run(copy, 1, stores=(tmp_path,)) is None
-    assert load_run(replace(heavier, name="lin-case1"), 2, stores=(tmp_path,)) is None
+    assert load_stored_run(copy, 1, stores=(tmp_path,)) is None
+    assert load_stored_run(replace(heavier, name="lin-case1"), 2, stores=(tmp_path,)) is None
     (tmp_path / "lin-case1-level2-0123456789abcdef.json").write_text("{}")
     save_run(tmp_path, copy, replace(run_of("lin-case1", 2, 2.0 * np.ones((32, 4))), scene="my [copy]"))
-    assert load_run(copy, 2, stores=(tmp_path,)).load.sum() == 256.0, "of equal ones that under the scene's own name"
-    assert load_run(CASE1, 2, stores=(tmp_path,)).load.sum() == 128.0
+    assert load_stored_run(copy, 2, stores=(tmp_path,)).load.sum() == 256.0, "of equal ones that under the scene's own name"
+    assert load_stored_run(CASE1, 2, stores=(tmp_path,)).load.sum() == 128.0
 
 
 def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,7 +90,7 @@ def test_only_converged_runs_are_stored(tmp_path) -> None:
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
     with pytest.raises(ValueError, match="cannot be a reference: not held: because"):
         save_run(tmp_path, CASE1, failed)
-    jobs.store_runs_and_bodies(tmp_path, Task((CASE1,), 1), [failed], None)
+    jobs.store_runs_and_bodies(tmp_path, ReferenceTask((CASE1,), 1), [failed], None)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -100,7 +100,7 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path) -> Non
     assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
     narrow = run_of("unseen-short-nut", 1, np.ones((24, 4)))
     save_run(tmp_path, CASE1, wide)
-    assert load_run(CASE1, 1, stores=(tmp_path,)) is not None
+    assert load_stored_run(CASE1, 1, stores=(tmp_path,)) is not None
     for name, factor in (("semi", 1.5), ("reach", 0.5)):  # too coarse cells, too small patches
         other = wide.settings | {name: tuple(factor * x for x in wide.settings[name])}
         assert not is_mesh_suitable(CASE1, 1, "", other, wide.sides)
@@ -119,7 +119,7 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "bearing-9", "lin-case3-offset", "lin-profile")]
     found = [[s.name for s in g] for g in group_by_geometry(scenes)]
     assert found == [["lin-case1", "lin-case3-offset", "lin-profile"], ["bearing-9"]]
-    assert shared_mesh_geometry(scenes[0]) != shared_mesh_geometry(
+    assert values_that_determine_meshes(scenes[0]) != values_that_determine_meshes(
         replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid"))
     )
 

@@ -9,12 +9,12 @@ from rollbench.compare.models import comparison, modelling, study
 from rollbench.compare.sections import reference_mesh as reference_mesh
 from rollbench.compare.sections import reference_time
 
-STUDY = study.Study()
+STUDY = study.SceneResultCache()
 
 
 @cache
 def stored():
-    return STUDY.references((*comparison.REFERENCED, *modelling.UNSEEN))
+    return STUDY.stored_references((*comparison.REFERENCED, *modelling.UNSEEN))
 
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:

@@ -6,11 +6,11 @@ from math import sin
 import pytest
 
 from rollbench.compare.cli import main
-from rollbench.compare.errors import Refusal
+from rollbench.compare.errors import SceneNotCoveredError
 from rollbench.compare.reference.store import run_text_with_checksum, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies import roller
-from rollbench.lowfi.rollers import SlicedRow, TaperedRow, circular_crown, tapered_bearing
+from rollbench.lowfi.rollers import SlicedTaperedRow, StraightTaperedRow, circular_crown_profile, tapered_bearing_of_row
 
 TAPER = "smith-axis-taper"
 
@@ -23,7 +23,7 @@ def kind():
 
 @pytest.fixture(scope="module")
 def shipped(kind):
-    runs = [roller.stored_run(kind, level, (shipped_store(),)) for level in roller.LEVELS]
+    runs = [roller.stored_roller_run(kind, level, (shipped_store(),)) for level in roller.LEVELS]
     assert None not in runs, "shipped runs are of another roller, or damaged"
     return runs
 
@@ -35,18 +35,18 @@ def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
 
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
-    bearing = tapered_bearing(kind.row)
-    row, low = TaperedRow(bearing), roller.low_order_stiffness(kind.row, kind.load)
+    bearing = tapered_bearing_of_row(kind.row)
+    row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.row, kind.load)
     thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
     step = 1e-3
-    up, down = (roller.low_order_stiffness(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
+    up, down = (roller.approach_and_stiffness_by_laws(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
     for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
         slope = 2.0 * step * kind.load / (getattr(up, approach) - getattr(down, approach))
         assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
     crowned = replace(kind.row, crown=2.0)
-    sliced = SlicedRow(bearing, crowned.slices, circular_crown(2.0))
-    assert roller.low_order_stiffness(crowned, kind.load).approach == pytest.approx(
+    sliced = SlicedTaperedRow(bearing, crowned.slices, circular_crown_profile(2.0))
+    assert roller.approach_and_stiffness_by_laws(crowned, kind.load).approach == pytest.approx(
         sliced.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9
     )
 
@@ -67,16 +67,16 @@ def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
 
 def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
     text = run_text_with_checksum(asdict(shipped[0]))
-    path = tmp_path / roller.run_file_name(kind, 1)
+    path = tmp_path / roller.roller_run_file_name(kind, 1)
     path.write_text(text)
-    assert roller.stored_run(kind, 1, (tmp_path,)) == shipped[0]
+    assert roller.stored_roller_run(kind, 1, (tmp_path,)) == shipped[0]
     path.write_text(text.replace('"level":1', '"level":2'))
-    assert roller.stored_run(kind, 1, (tmp_path,)) is None
+    assert roller.stored_roller_run(kind, 1, (tmp_path,)) is None
 
 
 def test_sharp_straight_rollers_are_refused(kind, tmp_path):
     sharp = replace(kind, row=replace(kind.row, edge_radius=None))
-    with pytest.raises(Refusal, match="edge_radius"):
+    with pytest.raises(SceneNotCoveredError, match="edge_radius"):
         roller.load_or_compute_roller_run(sharp, 1, (tmp_path,))
 
 

@@ -12,7 +12,7 @@ import pytest
 from tests.processes import ran
 from tests.report_samples import CHROMIUM, WITH_CHROMIUM, paged
 
-from rollbench.reports.content import Figure, Panel, Quantity, Report, Section, Series, Summary, Table, Text
+from rollbench.reports.content import Figure, Panel, Report, Section, Series, Summary, Table, TableColumn, Text
 from rollbench.reports.pages import write_report
 
 pytestmark = [WITH_CHROMIUM, pytest.mark.xdist_group("browser")]
@@ -28,9 +28,9 @@ def small_report() -> Report:
         Series("lin", [1.0, 2.0], [200.0, 260.0], "markers"),
     )
     panels = (Panel("SL", "ball", "load / N", curves), Panel("NR", "ball", "load / N", curves))
-    heads = [Quantity(f"c{k}", f"a long heading {k}") for k in range(24)]
+    heads = [TableColumn(f"c{k}", f"a long heading {k}") for k in range(24)]
     wide = Table("wide", "All of it", heads, [{c.key: 1e3 for c in heads}])
-    narrow = Table("narrow", "Tightness of balls", [Quantity("a", "a")], [{"a": 1.0}])
+    narrow = Table("narrow", "Tightness of balls", [TableColumn("a", "a")], [{"a": 1.0}])
     first = Figure("first", "Error against time", panels[:1], columns=1, size=(8.0, 3.4))
     other = Figure("second", "Error against time", panels[:1], columns=1, size=(3.75, 3.2))
     summary = Summary("How far?", "As far as 2.6 % after 1 s. " * 6, first, other, ["all"], ["none"])

@@ -10,7 +10,7 @@ from tests.processes import python
 from tests.report_samples import table
 
 from rollbench.reports import cells, content
-from rollbench.reports.content import Quantity, Table
+from rollbench.reports.content import Table, TableColumn
 from rollbench.reports.pages import table_template_data
 
 CELLS = [
@@ -53,10 +53,10 @@ class TestCells:
 
 
 def test_two_columns_of_one_heading_are_refused():
-    columns = (content.Quantity("a", "interval", "N", "s"), content.Quantity("b", "interval", "um", "s"))
+    columns = (content.TableColumn("a", "interval", "N", "s"), content.TableColumn("b", "interval", "um", "s"))
     content.Table("t", "intervals of two units", columns, [])
     with pytest.raises(ValueError, match="'interval'"):
-        content.Table("t", "intervals", (*columns, content.Quantity("c", "interval", "um", "s")), [])
+        content.Table("t", "intervals", (*columns, content.TableColumn("c", "interval", "um", "s")), [])
 
 
 def test_records_import_neither_matplotlib_nor_pyvista():
@@ -67,7 +67,7 @@ def test_records_import_neither_matplotlib_nor_pyvista():
 
 def test_a_column_for_the_csv_file_only_is_in_it_and_not_on_the_page(tmp_path):
     (tmp_path / "tables").mkdir()
-    shown, apart = Quantity("a", "first"), Quantity("b", "second")
+    shown, apart = TableColumn("a", "first"), TableColumn("b", "second")
     found = table_template_data(Table("t", "T", (shown, apart), [{"a": 1.0, "b": 2.0}], csv_only=["b"]), tmp_path)
     assert [column["label"] for column in found["columns"]] == ["first"]
     assert (tmp_path / "tables" / "t.csv").read_text(encoding="utf-8").split() == ["first,second", "1.0,2.0"]

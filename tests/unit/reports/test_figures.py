@@ -28,7 +28,7 @@ def words_of(svg):
 REFUSED = [
     (Series("s", [1], [1], "dots"), "", r"styles \['dots'\]"),
     (Series("s", [1], [1]), "z", "log .z."),
-    (Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5])), "", "error bars"),
+    (Series("s", [1.0, 2.0], [1.0, 2.0], "markers", error_bars=([0.5], [1.5])), "", "error bars"),
 ]
 
 
@@ -60,18 +60,18 @@ class TestFigures:
     @pytest.mark.parametrize("values", [[], [math.nan, math.nan], [0.0, 0.0], [-1.0, -2.0], [3.0, 3.0]])
     def test_poor_data_are_drawn_without_warning(self, log, values):
         x = [float(number) for number in range(len(values))]
-        panel = Panel("t", "x", "y", [Series("s", x, values)], log=log, zero=True)
+        panel = Panel("t", "x", "y", [Series("s", x, values)], log_axes=log, include_zero=True)
         ElementTree.fromstring(figures.draw_figure(figure(panels=[panel])))
 
     @pytest.mark.parametrize(("series", "log", "words"), REFUSED)
     def test_refuses_unknown_styles_and_scales_and_bars_of_another_length(self, series, log, words):
         with pytest.raises(ValueError, match=words):
-            figures.draw_figure(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
+            figures.draw_figure(figure(panels=[Panel("t", "x", "y", [series], log_axes=log)]))
 
 
 class TestInAPage:
     def test_colours_are_the_page_s_to_set_and_references_resolve(self, svg):
-        text = pages.inline_svg(svg)
+        text = pages.svg_as_html_element(svg)
         colours = {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"}
         assert colours <= set(re.findall(r"var\([^)]*\)", text))
         assert "var(" not in svg
@@ -80,8 +80,8 @@ class TestInAPage:
 
     def test_texts_stand_beside_their_points_and_apart(self):
         x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
-        named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
-        panel = Panel("", "x", "y", [named], log="xy")
+        named = Series("s", x, y, "markers", point_labels=["one", "two", "three", "far"], pale=False)
+        panel = Panel("", "x", "y", [named], log_axes="xy")
         svg, canvas = figures.draw_figure_and_canvas(figure(panels=[panel], size=(5.0, 3.0)))
         root = ElementTree.fromstring(svg)
         found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}

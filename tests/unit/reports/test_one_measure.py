@@ -4,21 +4,21 @@ import re
 
 import pytest
 
-from rollbench.compare.gate.verdict import Limits, judge_contact_loads
+from rollbench.compare.gate.verdict import ErrorLimits, judge_contact_loads
 from rollbench.compare.measure import load_error
 from rollbench.compare.models import comparison, modelling, registry, study
-from rollbench.compare.report.overview import errors_by_model, model_accuracy_table
+from rollbench.compare.report.overview import model_accuracy_table, summarise_accuracy_by_model
 from rollbench.compare.sections.ladder import model_error_table
-from rollbench.compare.sections.reference import exceedance_table, load_error_table
+from rollbench.compare.sections.reference import gate_exceedance_table, load_error_table
 from rollbench.compare.sections.reference_time import error_and_time_points, error_and_time_table
 
 NAME = "unseen-thin-nut"
-STUDY = study.Study()
+STUDY = study.SceneResultCache()
 
 
 @pytest.fixture(scope="module")
 def found():
-    return STUDY.reference(NAME)
+    return STUDY.stored_reference(NAME)
 
 
 def cells(table, label, column):
@@ -30,20 +30,20 @@ def cells(table, label, column):
 
 def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     monkeypatch.setattr(modelling, "RUNGS", [registry.MODELS["lin"]])
-    lin = STUDY.solve(NAME, "lin")
+    lin = STUDY.solve_once(NAME, "lin")
     e = load_error(lin.load, found.load)
     assert e.own_max_percent > 1.2 * e.max_percent  # so that another measure would show
     label = registry.MODELS["lin"].label
     points = {NAME: error_and_time_points(NAME, found, STUDY, lambda _: None)}
     errors, rungs = (
         load_error_table(STUDY, {NAME: found}),
-        model_error_table(modelling.solve_refinement_sequence(STUDY.scene(NAME), found, STUDY.stores)),
+        model_error_table(modelling.solve_refinement_sequence(STUDY.built_in_scene(NAME), found, STUDY.reference_folders)),
     )
     pages = (
         (errors, label),
         (rungs, "lin"),
         (error_and_time_table(points), label),
-        (model_accuracy_table(errors_by_model(points)), "lin"),
+        (model_accuracy_table(summarise_accuracy_by_model(points)), "lin"),
     )
     for table, name in pages:
         largest = "largest error, maximum" if table.name == "overview-models" else "largest error"
@@ -51,7 +51,8 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     for table, name in pages[:2]:
         assert cells(table, name, ("largest error", "% of own load")) == [pytest.approx(e.own_max_percent, rel=1e-9)]
     compared = {
-        r.quantity: r for r in comparison.comparison_rows(STUDY.scene(NAME), comparison.loads_from_result(lin), found)
+        r.quantity: r
+        for r in comparison.comparison_rows(STUDY.built_in_scene(NAME), comparison.solution_from_result(lin), found)
     }
     of_mean = compared[f"largest error, of the mean load (ball {e.ball} {e.side})"]
     of_load = compared["largest error, of the own load"]
@@ -59,12 +60,12 @@ def test_every_page_says_the_same_error_of_a_thin_nut(found, monkeypatch):
     shares = 100.0 * found.uncertainty[found.load > 0.0] / found.load[found.load > 0.0]
     assert of_load.reference_error == pytest.approx(shares.max())
     assert of_load.reference_error > of_mean.reference_error
-    (verdict,) = judge_contact_loads("lin", lin.load, found, Limits())
+    (verdict,) = judge_contact_loads("lin", lin.load, found, ErrorLimits())
     assert verdict.of_mean == e
 
 
 def test_errors_of_loads_name_what_they_are_per_cent_of(found):
-    for table in (load_error_table(STUDY, {NAME: found}), exceedance_table({NAME: found}, STUDY)):
+    for table in (load_error_table(STUDY, {NAME: found}), gate_exceedance_table({NAME: found}, STUDY)):
         units = {c.label: c.unit for c in table.columns if re.search("error|uncertainty|rigid", c.label)}
         assert units
         assert set(units.values()) <= {"% of mean", "% of own load"}, table.name

@@ -4,22 +4,22 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.applicability import descriptors_of_shipped_scenes, records_of_drawn_screws
-from rollbench.compare.models.model_form import errors_on_compared_scenes
+from rollbench.compare.models.applicability import descriptors_of_built_in_scenes, survey_records_of_random_screws
+from rollbench.compare.models.model_form import model_errors_on_compared_scenes
 from rollbench.compare.models.registry import MODELS
 from rollbench.compare.report import overview
-from rollbench.compare.sections.reference_time import LargestError, TimePoint
+from rollbench.compare.sections.reference_time import ErrorAndRunTime, LargestErrorWithRange
 
 
-def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
+def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> ErrorAndRunTime:
     name = next((m.name for m in MODELS.values() if m.label == label), label.replace("3D reference, level", "3D level"))
     low, high = 0.9 * error, 1.1 * error + 0.1
-    gate = LargestError(1.2 * error, 1.2 * low, 1.2 * high)
-    measured = TimePoint(label, kind, error, error / 2.0, low, high, cold, 0.1, 65, 100.0, name, gate)  # type: ignore[arg-type]
+    gate = LargestErrorWithRange(1.2 * error, 1.2 * low, 1.2 * high)
+    measured = ErrorAndRunTime(label, kind, error, error / 2.0, low, high, cold, 0.1, 65, 100.0, name, gate)  # type: ignore[arg-type]
     return replace(measured, **changes)  # type: ignore[arg-type]
 
 
-def scene(factor: float) -> list[TimePoint]:
+def scene(factor: float) -> list[ErrorAndRunTime]:
     label = {name: MODELS[name].label for name in MODELS}
     return [
         point(label["refined"], 1.0 * factor, 2.0),
@@ -35,18 +35,32 @@ POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
 
 
 def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
-    found = {s.name: s for s in overview.errors_by_model(POINTS)}
+    found = {s.name: s for s in overview.summarise_accuracy_by_model(POINTS)}
     refined = found["refined"]
-    assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
-    assert (refined.gate.error, refined.gate.low, refined.gate.high) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
-    assert (refined.rms, refined.worst_rms, refined.cold, refined.passed) == (1.0, 1.5, 2.0, 3)
+    assert (
+        refined.scene_count,
+        refined.largest_error_percent,
+        refined.scene_of_largest_error,
+        refined.median_error_percent,
+    ) == (3, 3.0, "c", 2.0)
+    assert (
+        refined.median_gate_error.error,
+        refined.median_gate_error.low,
+        refined.median_gate_error.high,
+    ) == pytest.approx((2.4, 1.2 * 1.8, 1.2 * 2.3))
+    assert (
+        refined.median_rms_error_percent,
+        refined.largest_rms_error_percent,
+        refined.cold_start_seconds,
+        refined.passed_scene_count,
+    ) == (1.0, 1.5, 2.0, 3)
     # 6 % of the mean load, 7.2 % by the gate's rule: within no line of 7 %
-    assert (found["mei"].scenes, found["mei"].worst, found["lin"].passed) == (2, 40.0, 0)
-    assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
-    assert overview.error_or_uncertainty(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert overview.model_accuracy_table(overview.errors_by_model(POINTS)).rows[0]["name"] == "mei"
+    assert (found["mei"].scene_count, found["mei"].largest_error_percent, found["lin"].passed_scene_count) == (2, 40.0, 0)
+    assert found["3D level 3"].median_error_percent == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
+    assert overview.largest_error_or_mesh_uncertainty(POINTS["a"][-1]) == pytest.approx(0.1)
+    assert overview.model_accuracy_table(overview.summarise_accuracy_by_model(POINTS)).rows[0]["name"] == "mei"
     # the front holds what nothing beats in both
-    assert [s.name for s in overview.pareto_front(overview.errors_by_model(POINTS))] == [
+    assert [s.name for s in overview.pareto_optimal_models(overview.summarise_accuracy_by_model(POINTS))] == [
         "lin",
         "refined",
         "3D level 1",
@@ -55,14 +69,14 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
 
 
 def test_every_screw_that_was_compared_is_in_the_first_figure() -> None:
-    screws = overview.largest_errors_on_screws(errors_on_compared_scenes())
-    rows = {row["number"]: row["models"] for row in records_of_drawn_screws() if row.get("models")}
+    screws = overview.largest_load_errors_on_screws(model_errors_on_compared_scenes())
+    rows = {row["number"]: row["models"] for row in survey_records_of_random_screws() if row.get("models")}
     panel = overview.error_distribution_and_time_figure(screws, POINTS, "f", (8.0, 4.0)).panels[0]
     for model, curve in zip(screws, panel.series, strict=True):
         drawn = [models[model]["largest_percent"] for models in rows.values()]
         assert len(drawn) > 200
         assert set(drawn) <= set(curve.x)
-        assert len(curve.x) == len(drawn) + len(descriptors_of_shipped_scenes(ring=False))
+        assert len(curve.x) == len(drawn) + len(descriptors_of_built_in_scenes(ring=False))
         assert (curve.y[-1], sorted(curve.x)) == (pytest.approx(100.0), list(curve.x))
     assert "mean load" in panel.xlabel
     assert not [curve for curve in panel.series if 7.0 in curve.x and len(set(curve.x)) == 1], "no line on the mean load"

@@ -10,7 +10,7 @@ from tests.report_samples import contents, figure, report, screw, table
 
 from rollbench.reports import field3d, pages, scene3d
 from rollbench.reports import pages as html
-from rollbench.reports.content import FieldPicture, Quantity, Table
+from rollbench.reports.content import FieldPicture, Table, TableColumn
 from rollbench.reports.pages import MARKER, SEARCH
 
 
@@ -94,7 +94,7 @@ class TestPage:
     @pytest.mark.parametrize(("rows", "folded"), [(12, False), (30, True)])
     def test_a_long_table_is_folded_with_all_its_rows_and_columns(self, tmp_path, rows, folded):
         keys = [*"abcdefghij", "verdict"]
-        all_of = [Quantity(k, k, format="s") for k in keys]
+        all_of = [TableColumn(k, k, format="s") for k in keys]
         html.write_report(
             report(Table("t", "T", all_of, [dict.fromkeys(keys, f"x{n}") for n in range(rows)])), tmp_path / "out"
         )

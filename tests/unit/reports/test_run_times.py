@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import store
-from rollbench.compare.reference.store import Measured, measuring_conditions, shipped_store
+from rollbench.compare.reference.store import MeasuringConditions, measuring_conditions, shipped_store
 from rollbench.compare.sections import reference_time
 from rollbench.compare.studies import run_times as kept_times
 from rollbench.compare.studies.run_times import ColdLevelTime, ColdModelTime
 
-OLD, OTHER = Measured("0.7.0", "", "a machine"), Measured("0.9.0", "abc", "a machine")
+OLD, OTHER = MeasuringConditions("0.7.0", "", "a machine"), MeasuringConditions("0.9.0", "abc", "a machine")
 KEPT = kept_times.StoredRunTimes(
     OLD,
     "2026-01-02",
@@ -28,8 +28,8 @@ def quiet(_):
 
 def study_of(kept, **options):
     """A study whose measuring run is known."""
-    study = Study(**options)
-    study.computed[reference_time.run_times_to_show, quiet] = kept
+    study = SceneResultCache(**options)
+    study.computed_values[reference_time.run_times_to_show, quiet] = kept
     return study
 
 
@@ -38,12 +38,12 @@ def points_of(study, name="lin-case1"):
 
 
 def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
-    assert kept_times.load_times([tmp_path]) is None
-    kept_times.save_times(tmp_path, KEPT)
-    assert kept_times.load_times([tmp_path / "none", tmp_path]) == KEPT
+    assert kept_times.load_run_times([tmp_path]) is None
+    kept_times.save_run_times(tmp_path, KEPT)
+    assert kept_times.load_run_times([tmp_path / "none", tmp_path]) == KEPT
     assert json.loads((tmp_path / kept_times.RUN_TIMES).read_text())["version"] == "0.7.0"
     (tmp_path / kept_times.RUN_TIMES).write_text('{"times": 3}')
-    assert kept_times.load_times([tmp_path]) is None
+    assert kept_times.load_run_times([tmp_path]) is None
     assert "measured with 0.7.0 on a machine, 2026-01-02, not with the" in str(KEPT)
     now = measuring_conditions()
     assert str(replace(KEPT, measured=now)).endswith("2026-01-02.")
@@ -52,14 +52,14 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
 
 
 def test_a_ratio_compares_the_same_work():
-    (row,) = reference_time.speed_ratio_table({"lin-case1": points_of(study_of(KEPT))}).rows
+    (row,) = reference_time.run_time_ratio_table({"lin-case1": points_of(study_of(KEPT))}).rows
     assert (row["cold"], row["warm"]) == (pytest.approx(60.0 / 0.4), pytest.approx(0.9 / 1e-3))
     assert set(row) == {"scene", "low", "low_warm", "ref", "ref_warm", "cold", "warm"}
 
 
 def run_of(level=4):
-    study = Study()
-    return study.scene("lin-case1"), next(r for r in study.reference("lin-case1").runs if r.level == level)
+    study = SceneResultCache()
+    return study.built_in_scene("lin-case1"), next(r for r in study.stored_reference("lin-case1").runs if r.level == level)
 
 
 def measured_here(run):
@@ -70,22 +70,22 @@ def measured_here(run):
 
 def test_a_stored_run_says_what_its_seconds_were_measured_with_and_keeps_its_key(tmp_path):
     scene, run = run_of()
-    assert run.measured == Measured("0.3.0")
+    assert run.measured == MeasuringConditions("0.3.0")
     new = measured_here(run)
     path = store.save_run(tmp_path, scene, new)
     assert path.name == store.path_of_run(shipped_store(), scene, run).name
-    assert store.read_run(path, scene, run.level, "").measured == measuring_conditions()
+    assert store.read_run_file(path, scene, run.level, "").measured == measuring_conditions()
 
 
 def test_the_report_refuses_a_mixture():
     study = study_of(KEPT, quick=True)
-    study.computed[(reference_time.ladder,)] = []
-    reference_time.points_of_all_scenes(study, quiet)
+    study.computed_values[(reference_time.ladder,)] = []
+    reference_time.errors_and_times_of_all_scenes(study, quiet)
     mixed = [replace(p, measured=OTHER) if p.name == "mei" else p for p in points_of(study)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reference_time, "error_and_time_points", lambda *_: mixed)
         with pytest.raises(ValueError, match="several measuring runs"):
-            reference_time.points_of_all_scenes(study, quiet)
+            reference_time.errors_and_times_of_all_scenes(study, quiet)
     far = [replace(p, measured=OTHER) if p.kind == "level" else p for p in mixed]
     with pytest.raises(ValueError, match="several measuring runs"):
-        reference_time.speed_ratio_table({"lin-case1": far})
+        reference_time.run_time_ratio_table({"lin-case1": far})

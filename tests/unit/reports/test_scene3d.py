@@ -26,7 +26,7 @@ class TestScene:
             ball_layout(scene).centre,
             scene3d.drawn_ball_radius(scene),
         )
-        assert len(grooves.phases) == starts
+        assert len(grooves.start_azimuths) == starts
         phi, z, land = np.arctan2(centres[:, 1], centres[:, 0]), centres[:, 2], scene.screw.outer_diameter / 2.0
         gap = scene.track.pitch_radius - radius - grooves.surface(phi, z, land)
         assert np.all(gap > 0.0)

@@ -12,10 +12,10 @@ from tests.copies import ROOT
 from tests.report_samples import WITH_CHROMIUM
 
 import rollbench
-from rollbench.compare.results.view import clearance_reduction_by_errors
+from rollbench.compare.results.view import gap_reduction_by_errors
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.contacts import own_hertz
-from rollbench.meshes.errors import draw_specimen
+from rollbench.lowfi.statics.contacts import hertz_of_every_contact
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, FourierTerm, SideErrors
 from rollbench.reports import view
@@ -77,18 +77,18 @@ def test_pressures_of_the_rows_are_hertz_of_their_loads():
         np.array([[row[key][s] for s in SIDES] for row in data["balls"]]) for key in ("load_N", "pressure_MPa")
     )
     assert pressure.max() == pytest.approx(data["summary"]["worst_contact"]["pressure_MPa"], rel=1e-9)
-    law = own_hertz(scene, draw_specimen(scene, ball_layout(scene))).pressure(np.ones_like(load))
+    law = hertz_of_every_contact(scene, draw_geometry_with_errors(scene, ball_layout(scene))).pressure(np.ones_like(load))
     np.testing.assert_allclose(pressure, 1e-6 * law * np.cbrt(load), rtol=1e-9)
 
 
 def test_errors_of_the_parts_bring_contacts_closer():
     """A larger ball by its oversize, a flank's pitch error by its part along the contact normal, on that flank only."""
     scene, beta = catalogue.scene("lin-case1"), catalogue.scene("lin-case1").track.contact_angle
-    np.testing.assert_allclose(clearance_reduction_by_errors(scene), 0.0, atol=1e-18)
+    np.testing.assert_allclose(gap_reduction_by_errors(scene), 0.0, atol=1e-18)
     larger = replace(scene, errors=replace(scene.errors, balls=replace(scene.errors.balls, oversize=2e-6)))
-    np.testing.assert_allclose(clearance_reduction_by_errors(larger), 2e-6, rtol=1e-9)
+    np.testing.assert_allclose(gap_reduction_by_errors(larger), 2e-6, rtol=1e-9)
     wave = SideErrors(pitch=(FourierTerm(1, 5e-6, 0.0),))
-    found = clearance_reduction_by_errors(replace(scene, errors=replace(scene.errors, SR=wave)))
+    found = gap_reduction_by_errors(replace(scene, errors=replace(scene.errors, SR=wave)))
     azimuth = ball_layout(scene).azimuth
     np.testing.assert_allclose(found[:, [0, 2, 3]], 0.0, atol=1e-18)
     np.testing.assert_allclose(found[:, 1], -5e-6 * np.sin(azimuth) * np.sin(beta), atol=1e-12)

@@ -22,7 +22,7 @@ ROLLERS = own_text("rollers")
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
     assert set(axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
-    assert not set(axis_names()) & set(catalogue.names_of_single_set_scenes())
+    assert not set(axis_names()) & set(catalogue.names_of_single_nut_scenes())
     for name in axis_names():
         found = catalogue.shipped_scene(name)
         assert isinstance(found, Assembly)
@@ -86,7 +86,7 @@ def test_models_and_commands_of_one_set_refuse_several_with_the_reason(monkeypat
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
     assert AXIS_MODELS == ("refined", "lin", "lin-source-partition", "lin-cell", "lin-nut")
-    monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].run))
+    monkeypatch.setitem(MODELS, "new", Model("new", "a new one", "new", "new", MODELS["mei"].solve_scene))
     for name, words in (
         ("mei", "mei does not solve several nuts or bearing rows: its bars"),
         ("none", "choose one of these"),

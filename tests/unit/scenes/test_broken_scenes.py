@@ -29,7 +29,7 @@ def refusal(tmp_path, content: str | bytes) -> SceneError:
     path = tmp_path / "my.toml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(SceneError) as caught:
-        catalogue.any_scene(str(path))
+        catalogue.scene_of_any_kind(str(path))
     return caught.value
 
 
@@ -106,9 +106,9 @@ def test_binary_file(tmp_path):
 
 def test_names_that_do_not_exist_and_an_empty_file(tmp_path):
     with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        catalogue.any_scene("lin-rotary1")
+        catalogue.scene_of_any_kind("lin-rotary1")
     with pytest.raises(SceneError, match="no such file"):
-        catalogue.any_scene(str(tmp_path / "none.toml"))
+        catalogue.scene_of_any_kind(str(tmp_path / "none.toml"))
 
 
 UNREADABLE = [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")]

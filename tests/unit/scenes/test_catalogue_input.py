@@ -95,8 +95,8 @@ def test_arcs_with_a_gap_are_circuits_of_their_own_in_a_run() -> None:
     read(few, arcs)
     rounds = ("[[supports]]", f"[circulation]\ncircuits = 2\n{run}")
     first, second = circuits_of_scene(read(few, arcs, rounds))
-    assert first.track.first + first.track.arc == pytest.approx(math.radians(-60.0))
-    assert second.track.first == pytest.approx(math.radians(60.0))
+    assert first.track.loaded_arc_start + first.track.arc == pytest.approx(math.radians(-60.0))
+    assert second.track.loaded_arc_start == pytest.approx(math.radians(60.0))
     unequal = (arcs[0], arcs[1].replace("300 deg", "500 deg", 1))
     assert refused(few, unequal, rounds).key == "balls.arcs"
     read(few, unequal)
@@ -118,7 +118,7 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
-    assert from_keys.oversize_for_preload(scene, 3000.0) == scene.errors.balls.oversize
+    assert from_keys.ball_oversize_for_preload(scene, 3000.0) == scene.errors.balls.oversize
 
 
 def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
@@ -182,7 +182,7 @@ def test_a_double_nut_of_a_nominal_size_is_preloaded_by_a_part_of_its_rating(siz
 def test_a_preload_may_be_a_part_of_the_rating(text: str) -> None:
     scene = read(("[[supports]]", f'[preload]\nforce = "{text}"\n[[supports]]'))
     share = 0.025 if "2.5" in text else 0.05
-    assert scene.errors.balls.oversize == from_keys.oversize_for_preload(read(), share * dynamic_rating(read()))
+    assert scene.errors.balls.oversize == from_keys.ball_oversize_for_preload(read(), share * dynamic_rating(read()))
     assert f"({100.0 * share:.3g} % of the dynamic load rating" in scene.assumed[-1]
 
 

@@ -4,7 +4,7 @@ import pickle
 
 import pytest
 
-from rollbench.compare.errors import InputError, Refusal, one_line
+from rollbench.compare.errors import InputError, SceneNotCoveredError, one_line
 
 REASON = "no room " + "for a long reason with numbers, " * 20 + "deepen the groove"
 
@@ -16,13 +16,13 @@ def test_values_of_users_are_cut():
 
 
 def test_a_refusal_tells_cause_and_remedy_in_full_on_one_line():
-    text = str(Refusal("my\nscene", "3D reference", REASON + ":\nwider;  ", "change it"))
+    text = str(SceneNotCoveredError("my\nscene", "3D reference", REASON + ":\nwider;  ", "change it"))
     assert text.startswith("my\\nscene: 3D reference: no room ")
     assert text.endswith("deepen the groove: wider; advice: change it")
     assert all(words not in text for words in ("\n", "..."))
 
 
-@pytest.mark.parametrize("error", [InputError("a", "b", "c", "d", "e", 3), Refusal("a", "b", REASON, "e")])
+@pytest.mark.parametrize("error", [InputError("a", "b", "c", "d", "e", 3), SceneNotCoveredError("a", "b", REASON, "e")])
 def test_errors_travel_between_processes(error):
     back = pickle.loads(pickle.dumps(error))
     assert (type(back), str(back)) == (type(error), str(error))

@@ -9,7 +9,7 @@ from rollbench.compare.studies.friction.answer import neglected_effects_of_kind
 from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 from rollbench.lowfi.friction.bearing import SIDES, Bearing, solve_ball_by_lin_method, solve_ball_of_bearing
 from rollbench.lowfi.friction.linear.bearing import LinearBearing
-from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain, solve_pair
+from rollbench.lowfi.friction.linear.chain import prepare_linear_chain, solve_linear_chain, solve_pair_of_linear_balls
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
@@ -23,9 +23,9 @@ def solved(name, *changes):
 
 
 def test_every_shipped_scene_converges_and_balances_power():
-    names = sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_set_scenes()) - set(axis_names()))
+    names = sorted(set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names()))
     for name in names:
-        scene = catalogue.any_scene(name)
+        scene = catalogue.scene_of_any_kind(name)
         answer = solve_friction_of_single_parts(scene)
         assert answer.converged, name
         assert len(scene.assumed) >= (5 if "screw" in name or "bearing" in name else 1), name
@@ -37,21 +37,21 @@ def test_every_shipped_scene_converges_and_balances_power():
 @pytest.mark.parametrize("case", list(U_Y))
 @pytest.mark.parametrize("printed", [False, True])
 def test_rotary_scenes_are_the_library_s(case, printed):
-    found = solve_friction_of_single_parts(catalogue.any_scene(f"lin-rotary-{case}{'-printed' * printed}")).data
+    found = solve_friction_of_single_parts(catalogue.scene_of_any_kind(f"lin-rotary-{case}{'-printed' * printed}")).data
     case = ROTARY, 100.0, U_Y[case]
     one = solve_ball_by_lin_method(*case, lin_sigmoid_law(ROTARY, 100.0, 0.08)) if printed else solve_ball_of_bearing(*case)
     assert found["load_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
     (ball,) = found["balls"]
-    assert [ball["orbit_rad_s"], *ball["rotation_rad_s"]] == pytest.approx([*one.motion.q, 0.0], rel=1e-7)
+    assert [ball["orbit_rad_s"], *ball["rotation_rad_s"]] == pytest.approx([*one.motion.unknown_velocities, 0.0], rel=1e-7)
     name = "friction_torque_Nmm" if printed else "driving_torque_on_screw_Nmm"
-    assert found["torque"][name] == pytest.approx(1e3 * one.torque, rel=1e-8)
+    assert found["torque"][name] == pytest.approx(1e3 * one.inner_ring_torque, rel=1e-8)
     assert [ball["load_N"][s] > 0.0 for s in SIDES] == (one.load.force > 0.0).tolist()
     losses = 1e3 * one.motion.friction.loss
     assert list(ball["loss_mW"].values()) == pytest.approx(losses, rel=1e-6, abs=1e-9)
 
 
 def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
-    scene = catalogue.any_scene("lin-chain-10")
+    scene = catalogue.scene_of_any_kind("lin-chain-10")
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_friction_of_single_parts(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
@@ -64,7 +64,7 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
 
 
 def test_units_signs_and_either_way_to_give_the_groove():
-    base = catalogue.any_scene("lin-rotary-2")
+    base = catalogue.scene_of_any_kind("lin-rotary-2")
     units = (('"10 rps"', '"600 rpm"'), ('"5.2 um"', '"0.0052 mm"'), ('"100 N"', '"0.1 kN"'))
     text = changed("lin-rotary-2", ("conformity = 0.54", 'groove_radius = "6.75 mm"'), *units)
     again = scene_file.parse_scene(text, "lin-rotary-2.toml")
@@ -80,7 +80,7 @@ def test_units_signs_and_either_way_to_give_the_groove():
 
 
 def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contacts_are_warned_of():
-    base = catalogue.any_scene("lin-rotary-3")
+    base = catalogue.scene_of_any_kind("lin-rotary-3")
     plain = solve_friction_of_single_parts(base).data
     assert not plain["warnings"]
     assert "Hertz" in solved("lin-rotary-3", ('"100 N"', '"100 kN"')).data["warnings"][0]
@@ -91,7 +91,9 @@ def test_oversize_is_the_opposite_of_a_clearance_and_adds_load_and_large_contact
 
 
 def test_laws_approach_coulomb():
-    exact = solve_friction_of_single_parts(catalogue.any_scene("lin-rotary-2")).data["torque"]["friction_torque_Nmm"]
+    exact = solve_friction_of_single_parts(catalogue.scene_of_any_kind("lin-rotary-2")).data["torque"][
+        "friction_torque_Nmm"
+    ]
     coulomb = 'law = "coulomb"'
     off = []
     for creep in ("1 mm/s", "0.1 mm/s"):
@@ -112,11 +114,11 @@ PAIRS = [(True, "balanced"), *((False, x) for x in ("balanced", "elastic", "diag
 @pytest.mark.parametrize(("mated", "loads"), PAIRS)
 def test_pair_scenes_are_the_library_s(mated, loads):
     found = solved("lin-pair-b" if mated else "lin-pair-a", ('"balanced"', f'"{loads}"')).data
-    one = solve_pair(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated, loads=loads)
+    one = solve_pair_of_linear_balls(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated, loads=loads)
     numbers = found["pairs"][0]["force_N"], found["drive_N"]
-    assert numbers == pytest.approx((one.force, one.touching.drive), rel=1e-9, abs=1e-9)
+    assert numbers == pytest.approx((one.ball_to_ball_force, one.touching.carriage_drive_force), rel=1e-9, abs=1e-9)
     apart = [b["deviation_apart_percent"] for b in found["balls"]]
-    assert apart == pytest.approx(100.0 * one.free.deviation, rel=1e-8, abs=1e-9)
+    assert apart == pytest.approx(100.0 * one.apart.velocity_deviation, rel=1e-8, abs=1e-9)
     if loads == "diagonal":
         assert found["solver"]["load_imbalance"] > 0.01, "the source's approximation does not balance; it is shown"
 

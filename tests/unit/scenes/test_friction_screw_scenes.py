@@ -18,7 +18,7 @@ from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.friction import whole
 from rollbench.compare.studies.friction.kinds import solve_friction_of_single_parts
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair, summarise_history
+from rollbench.lowfi.friction.screw.run import SHIFTED, Pair, solve_pair_of_screw_balls, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import simulate
 
 THETA = {"a": 2.0, "b": 3.0}
@@ -62,22 +62,24 @@ def test_oversize_is_the_opposite_of_a_clearance_and_rows_face_to_face_are_turne
 @pytest.mark.parametrize("case", list(THETA))
 @pytest.mark.parametrize("reading", [screw_pair_as_printed, screw_pair_with_inferred_oversize])
 def test_pair_scenes_are_the_library_s(case, reading):
-    scene = catalogue.any_scene(
+    scene = catalogue.scene_of_any_kind(
         f"lin-screw-pair-{case}{'-inferred' if reading is screw_pair_with_inferred_oversize else ''}"
     )
     theirs = reading(np.radians(THETA[case]))
     close(scene.pair, theirs)
-    answer, r = solve_friction_of_single_parts(scene), solve_pair(theirs)
+    answer, r = solve_friction_of_single_parts(scene), solve_pair_of_screw_balls(theirs)
     found = answer.data
     assert answer.converged
     percent = found["friction_increase_percent"], found["ball_to_ball_percent"]
-    assert percent == pytest.approx((100.0 * r.friction_increase, 100.0 * r.rubbing_ratio), rel=1e-8)
+    assert percent == pytest.approx((100.0 * r.friction_increase, 100.0 * r.ball_loss_over_groove_loss), rel=1e-8)
     numbers = found["pairs"][0]["force_N"], found["energy"]["loss_W"]
     assert numbers == pytest.approx((r.force, r.touching.motion.loss), rel=1e-8)
     assert abs(found["energy"]["balance_percent"]) < 1e-8
     assert [b["state"] for b in found["balls"]] == ["apart", "apart", "touching", "touching"]
     loads = [list(b["load_N"].values()) for b in found["balls"]]
-    assert loads == [pytest.approx(row, rel=1e-7, abs=1e-9) for s in (r.free, r.touching) for row in s.load.force]
+    assert loads == [
+        pytest.approx(row, rel=1e-7, abs=1e-9) for s in (r.apart, r.touching) for row in s.loads_with_friction.force
+    ]
 
 
 def test_pair_takes_pattern_direction_hand_and_hertz():
@@ -103,13 +105,13 @@ def test_pair_of_a_still_screw_spends_nothing():
 
 
 def test_run_scene_is_the_library_s():
-    close(catalogue.any_scene("lin-screw-run").run, simulation_inputs_of_section_3_4_4())
+    close(catalogue.scene_of_any_kind("lin-screw-run").run, simulation_inputs_of_section_3_4_4())
     answer = solve_friction_of_single_parts(loaded("lin-screw-run", *SHORT))
     r = simulate(simulation_inputs_of_section_3_4_4(), 0.3, 40)
-    s, found = summarise_history(r), answer.data["summary"]
+    s, found = summarise_screw_run(r), answer.data["summary"]
     assert answer.converged
-    assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest, rel=1e-7)
-    assert found["largest_at_deg"] == pytest.approx(s.at)
+    assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest_ball_to_groove_ratio, rel=1e-7)
+    assert found["largest_at_deg"] == pytest.approx(s.nut_angle_of_largest_ratio)
     assert found["contact_ends_deg"] is None, "still in contact at the end"
     begins = np.degrees(r.nut_angle)[np.flatnonzero(r.contact.any(axis=1))[0]]
     assert found["contact_begins_deg"] == pytest.approx(begins)
@@ -182,8 +184,8 @@ def test_bearing_scene_is_the_library_s(tilt):
     ]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
-        assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()
-        assert found[name]["largest_over_smallest"] == pytest.approx(curve.ratio, rel=1e-7)
+        assert found[name]["balls_beyond_two_contacts"] == curve.balls_beyond_two_contacts.tolist()
+        assert found[name]["largest_over_smallest"] == pytest.approx(curve.largest_over_smallest_torque, rel=1e-7)
     assert found["four_over_double"] == pytest.approx(curves[0].torque / curves[1].torque, rel=1e-7)
     assert abs(found["energy"]["balance_percent"]) < 1e-8
 
@@ -205,8 +207,8 @@ SHOWN += [("lin-screw-pair-a", (), None), ("lin-screw-run", SHORT, None), ("lin-
 def test_exit_codes_of_a_ball_without_contact_and_of_a_bearing_that_one_ball_cannot_hold(tmp_path):
     loose = printed(tmp_path, "lin-rotary-1", [('"100 N"', '"0 N"')])
     one = printed(tmp_path, "lin-bearing-pairs", [*FEW, ("count = 9", "count = 1")])
-    assert [(x.code, x.data["converged"]) for x in (loose, one)] == [(1, False)] * 2
-    assert "no contact" in loose.parts[0]
+    assert [(x.exit_code, x.data["converged"]) for x in (loose, one)] == [(1, False)] * 2
+    assert "no contact" in loose.texts_and_tables[0]
     status = one.data["status"]
     assert status.startswith("no equilibrium: four-point bearing, load at 0 deg: rigid motion of the inner ring")
     assert "uz, ry" in status

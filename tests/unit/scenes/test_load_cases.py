@@ -20,7 +20,7 @@ def bare(scene):
 def test_cases_are_the_scene_with_what_differs():
     cycle = scene_file.parse_scene(TEXT, "two.toml")
     first, second, third = (one.scene for one in cycle.cases)
-    assert (cycle.name, cycle.shares) == ("two", (0.75, 0.25, 0.0))
+    assert (cycle.name, cycle.revolution_shares) == ("two", (0.75, 0.25, 0.0))
     assert [one.name for one in (first, second, third)] == ["two-balls", "two-push", "two-loose"]
     assert bare(first) == bare(SHIPPED), "nothing else is changed: stored runs serve"
     assert dict(second.supports[0].fixed) == dict(SHIPPED.supports[0].fixed) | {"uz": 8e-6}
@@ -32,7 +32,7 @@ def test_cases_are_the_scene_with_what_differs():
 def test_shares_follow_from_times_and_speeds():
     cycle = scene_file.parse_scene(LIKE + TIMED, "my.toml")
     cutting, rapid, crash = cycle.cases
-    assert cycle.shares == pytest.approx((6000 / 16000, 10000 / 16000, 0.0))
+    assert cycle.revolution_shares == pytest.approx((6000 / 16000, 10000 / 16000, 0.0))
     assert cycle.speed == pytest.approx(2 * 3.141592653589793 * 16000 / 60 / 40), "turns over time"
     assert [one.scene.loads[0].force[2] for one in (cutting, crash)] == [8e3, 4e4]
     assert rapid.scene.loads == cycle.parts.loads, "its own where it has none"

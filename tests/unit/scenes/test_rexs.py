@@ -86,11 +86,11 @@ def test_load_cases_come_back_with_speeds_and_shares(tmp_path):
     scene.write_text(ON_A_SHAFT.read_text() + CASES)
     file, back = there_and_back(tmp_path, scene, model="lin")
     one, two = rollbench.read(scene), rollbench.read(back)
-    assert two.shares == pytest.approx(one.shares)
+    assert two.revolution_shares == pytest.approx(one.revolution_shares)
     for a, b in zip(one.cases, two.cases, strict=True):
         assert b.speed == pytest.approx(a.speed)
         assert_same(a.scene.loads, b.scene.loads)
-    spectrum = rexs_model.read_rexs_file(file).cases
+    spectrum = rexs_model.read_rexs_file(file).load_cases
     assert len(spectrum) == 2
     assert [x[1]["operating_time_fraction"] for x in spectrum] == [20.0, 80.0]
 
@@ -112,7 +112,7 @@ def test_results_are_those_of_the_solution(tmp_path):
     file = tmp_path / "out.rexs"
     write_axis_as_rexs(str(ON_A_SHAFT), file, "lin")
     model, solved = rexs_model.read_rexs_file(file), rollbench.solve(ON_A_SHAFT, model="lin")
-    case = model.cases[0]
+    case = model.load_cases[0]
     bearings = {c.name: c.id for c in model.components.values() if c.type == "rolling_bearing_with_detailed_geometry"}
     total = np.zeros(3)
     for name, one in solved.sets.items():

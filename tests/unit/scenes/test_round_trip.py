@@ -10,14 +10,14 @@ from tests.campaign.draw_axes import axis_text
 import rollbench
 from rollbench.compare.errors import InputError
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.scenes.schema import AxisKeys, SceneKeys
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
 from rollbench.compare.scenes.template import commented_template
 from rollbench.meshes.parts import FourierTerm
 from rollbench.meshes.record_keys import canonical_text
 
 #: Tables in the order of the schema.
-ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*AxisKeys.model_fields]}
+ORDER = {"ball screw": [*SceneKeys.model_fields], "double nut": [*ShaftSceneKeys.model_fields]}
 
 
 @pytest.mark.parametrize("name", catalogue.scene_names())
@@ -25,7 +25,7 @@ def test_every_shipped_scene_goes_round(name):
     scene = catalogue.shipped_scene(name)
     again = scene_file.parse_scene(scene.to_toml(), f"{name}.toml")
     assert canonical_text(again) == canonical_text(scene)  # keys of stored runs
-    assert isinstance(scene, KindScene) or again == scene  # those of a kind have arrays
+    assert isinstance(scene, FrictionScene) or again == scene  # those of a kind have arrays
     assert again.to_toml() == scene.to_toml()
 
 

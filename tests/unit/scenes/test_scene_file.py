@@ -35,19 +35,19 @@ def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
 
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
-    names = set(catalogue.scene_names()) - set(catalogue.names_of_single_set_scenes()) - set(axis_names())
+    names = set(catalogue.scene_names()) - set(catalogue.names_of_single_nut_scenes()) - set(axis_names())
     assert {scene_file.kind_of_scene(catalogue.shipped_scene(name)) for name in names} == set(FRICTION_ONLY)
     assert catalogue.shipped_scene("lin-pair-a") is catalogue.shipped_scene("lin-pair-a"), "each is read once"
     words = r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction lin-pair-a'
     with pytest.raises(SceneError, match=words):
         catalogue.scene("lin-pair-a")
     with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
-        catalogue.shipped_scene_of_kind("lin-pair-a", screw_balls.ScrewRunScene)
+        catalogue.shipped_scene_of_kind("lin-pair-a", screw_balls.ScrewSimulationScene)
     path = tmp_path / "mine.toml"
     path.write_text(catalogue.shipped_scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):
         scene_file.read_scene_file(path)
-    assert scene_file.kind_of_scene(catalogue.any_scene(str(path))) == "linear pair"
+    assert scene_file.kind_of_scene(catalogue.scene_of_any_kind(str(path))) == "linear pair"
 
 
 def test_conformity_part_of_a_material_and_starts():

@@ -38,7 +38,7 @@ def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
     scene = scene_file.parse_scene(text, "my.toml")
     assert (scene_file.kind_of_scene(scene), scene.name) == (kind, "my")
     assert f'kind = "{kind}"' in text
-    keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].keys
+    keys = SceneKeys if kind in duty_cycle.WHOLE else KINDS[kind].key_class
     words = set(re.findall(r"\w+", text))
     assert set(scene_schema_of_kind(keys)["properties"]) - {"circulation"} <= words
     if kind != "bearing":

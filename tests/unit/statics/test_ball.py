@@ -10,10 +10,10 @@ from scipy.optimize import minimize
 from tests.helpers import FLANK_ERRORS, small_screw
 
 from rollbench.lowfi import jit
-from rollbench.lowfi.statics.contacts import hertz_C
+from rollbench.lowfi.statics.contacts import hertz_constants_by_scene_choice
 from rollbench.lowfi.statics.kernel_types import RIGID
-from rollbench.lowfi.statics.problem import pack_geometry
-from rollbench.meshes.errors import draw_specimen
+from rollbench.lowfi.statics.problem import pack_contact_data
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, BallErrors, Errors, SideErrors
 
@@ -30,9 +30,9 @@ class Ball:
     def __init__(self, profile, oversize):
         scene = small_screw(count=2)
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
-        self.drawn = draw_specimen(self.scene, ball_layout(self.scene))
-        self.C = hertz_C(self.scene, self.drawn)
-        rows, closure = pack_geometry(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
+        self.drawn = draw_geometry_with_errors(self.scene, ball_layout(self.scene))
+        self.C = hertz_constants_by_scene_choice(self.scene, self.drawn)
+        rows, closure = pack_contact_data(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
         self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
         self.radius = self.scene.balls.radius + oversize
 
@@ -40,7 +40,7 @@ class Ball:
         """Energy, centre and contact rows of the kernel."""
         kernels = jit.load_kernel_package(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
-        ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile
+        ball = self.geometry, self.closure, RIGID, self.radius, self.drawn.profile_coefficients
         energy = kernels.settle_ball(p, shift, *ball, 1e-9, contact)
         return energy, p, contact
 

@@ -5,9 +5,9 @@ import pytest
 from tests.helpers import STEEL, dense, relative, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.as_source import element_stiffness
+from rollbench.lowfi.as_source import beam_element_stiffness_matrix
 from rollbench.lowfi.statics.kernel import beam, matrices
-from rollbench.lowfi.statics.shape import rigid_transport, shape_polynomials
+from rollbench.lowfi.statics.shape import beam_shape_functions, rigid_motion_transfer_matrix
 from rollbench.meshes.section import nodes_of_whole_beam, tube_section
 
 SECTION = tube_section(30e-3, 8e-3, STEEL)
@@ -39,7 +39,7 @@ def cantilever(nodes, load):
 
 
 def interpolation(xi, length, order=0):
-    return shape_polynomials(np.array([xi]), np.array([length]), SECTION, order)[0]
+    return beam_shape_functions(np.array([xi]), np.array([length]), SECTION, order)[0]
 
 
 @pytest.mark.parametrize("length", LENGTHS)
@@ -56,12 +56,12 @@ def test_element_is_the_strain_energy_of_its_shape_functions(length):
         strains = slope[2], slope[5], slope[3], slope[4], slope[0] - n[4], slope[1] + n[3]
         kinds = SECTION.EA, SECTION.GJ, SECTION.EI, SECTION.EI, SECTION.kGA, SECTION.kGA
         expected += sum(0.5 * w * length * k * np.outer(b, b) for k, b in zip(kinds, strains, strict=True))
-    found, band = element_stiffness(length, SECTION), dense(assembled([0.0, length]))
+    found, band = beam_element_stiffness_matrix(length, SECTION), dense(assembled([0.0, length]))
     size = np.sqrt(np.diag(found))  # every entry on its own scale
     assert np.abs((expected - found) / np.outer(size, size)).max() < 1e-11
     assert relative(band, found) < 1e-15
     assert np.abs((band - found) / np.outer(size, size)).max() < 1e-14
-    rng, transport = np.random.default_rng(4), rigid_transport(length)
+    rng, transport = np.random.default_rng(4), rigid_motion_transfer_matrix(length)
     for _ in range(5):
         q, f = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2), np.empty(6)
         beam.write_element_force(q[6:] - transport @ q[:6], beam.element_constants(length, STIFFNESSES), f)
@@ -72,7 +72,7 @@ def test_element_is_the_strain_energy_of_its_shape_functions(length):
 @pytest.mark.parametrize("nodes", PARTITIONS.values(), ids=PARTITIONS)
 def test_rigid_motion_strains_nothing(nodes):
     """Six rigid motions of the whole beam: no force beyond round-off of the stiffest element."""
-    motions = np.stack([rigid_transport(z) for z in nodes]).reshape(-1, 6)
+    motions = np.stack([rigid_motion_transfer_matrix(z) for z in nodes]).reshape(-1, 6)
     k = dense(assembled(nodes))
     assert np.abs(k @ motions).max() < 1e-14 * np.abs(k).max()
     assert np.linalg.matrix_rank(k / np.sqrt(np.outer(np.diag(k), np.diag(k))), tol=1e-12) <= k.shape[0] - 6

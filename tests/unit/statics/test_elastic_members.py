@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rollbench.compare.models.loading import scale_loads
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.loading import with_scaled_loads
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.members.ensemble import work_done_by_loads
 from rollbench.lowfi import jit
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.elastic import ElasticMembers, shared
+from rollbench.lowfi.statics.elastic import SpecimensWithSharedEquations, can_share_equations
 from rollbench.meshes.parts import Load, Scene
 
 
@@ -33,22 +33,22 @@ SCENES = {
     "four sides": catalogue.scene("lin-random"),
     "loose balls": _two_sides(),
     "section forces under the balls": _pulled_through(),
-    "errors that press more than the load": scale_loads(catalogue.scene("lin-random"), 0.02),
+    "errors that press more than the load": with_scaled_loads(catalogue.scene("lin-random"), 0.02),
 }
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_members_on_one_system_are_those_solved_one_by_one(scene: Scene) -> None:
-    assert shared(scene)
-    loads, residuals, works = ElasticMembers(
+    assert can_share_equations(scene)
+    loads, residuals, works = SpecimensWithSharedEquations(
         scene, LADDER["refined"], jit.load_kernel_package(jit.STATICS, compiled=False)
     ).solve(3, 3)
     assert not np.isnan(residuals).any()
     for k in range(3):
-        alone = run_model(scene, "refined", Options(member=3 + k, discretisation=False))
+        alone = run_model(scene, "refined", ModelOptions(member=3 + k, estimate_beam_mesh_error=False))
         assert np.abs(loads[k] - alone.load).max() <= 1e-11 * alone.load.max()
         assert works[k] == pytest.approx(work_done_by_loads(scene, alone), rel=1e-11)
 
 
 def test_grooves_with_random_errors_are_solved_one_by_one() -> None:
-    assert not shared(catalogue.scene("lin-combined"))
+    assert not can_share_equations(catalogue.scene("lin-combined"))

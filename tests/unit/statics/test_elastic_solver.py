@@ -6,21 +6,26 @@ import numpy as np
 import pytest
 from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
 
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.scenes import catalogue, scene_file
-from rollbench.compare.studies.survey import SEED, scene_text
+from rollbench.compare.studies.survey import SEED, random_screw_scene_text
 from rollbench.lowfi import jit
-from rollbench.lowfi.as_source import beam_stiffness_of_screw
+from rollbench.lowfi.as_source import screw_beam_stiffness_matrix
 from rollbench.lowfi.compliance.parts import LADDER, REFINED, grooved_section, reduce_to_compliance_geometry
 from rollbench.lowfi.statics import response as model
 from rollbench.lowfi.statics.elastic import ElasticInput, solve_elastic
-from rollbench.lowfi.statics.held import free_motions
+from rollbench.lowfi.statics.held import find_unresisted_motions
 from rollbench.lowfi.statics.kernel import contact as laws
 from rollbench.lowfi.statics.kernel_types import ForceState
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.lowfi.statics.shaft import build_shaft, flank_motions_by_loads, flank_response, node_motions
+from rollbench.lowfi.statics.shaft import (
+    build_shaft,
+    flank_compliance_and_free_motions,
+    flank_motions_by_loads,
+    node_motions,
+)
 from rollbench.lowfi.statics.static import pin_free_motions, solve_static
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors, Load, Support
 
@@ -47,11 +52,11 @@ SAME_AS_SOURCE = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "li
 def assembled(scene, backend=REFINED, use=ALL, engine=None):
     """A scene's problem for the kernels, with the sides ``use``."""
     layout = ball_layout(scene)
-    drawn = draw_specimen(scene, layout)
+    drawn = draw_geometry_with_errors(scene, layout)
     engine = engine or jit.load_kernel_package(jit.STATICS, compiled=False)
     made = ElasticInput(scene, drawn, layout, np.array(use), engine, backend=backend)
-    problem = made.problem()
-    return made.ready(pin_free_motions(problem, free_motions(problem)))
+    problem = made.build_problem()
+    return made.build_equations(pin_free_motions(problem, find_unresisted_motions(problem)))
 
 
 def motions(elastic, phi, amplitudes):
@@ -82,21 +87,23 @@ def test_solution_is_stationary_and_balanced(case, backend):
     assert result.equilibrium.force_residual < 1e-9
     assert result.equilibrium.moment_residual < 1e-9
     elastic = assembled(scene, LADDER[backend])
-    assert elastic.iterate().residual <= 1e-10
+    assert elastic.solve_by_newton().residual <= 1e-10
     phi, amplitudes = elastic.state.phi, elastic.state.a
     _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
-    assert np.abs(f - phi).max() < 1e-10 * elastic.scale
-    unbalanced = np.einsum("nac,na->c", elastic.given.bodies.R, f) + elastic.given.bodies.work
-    assert np.abs(unbalanced).max(initial=0.0) < 1e-10 * elastic.scale
+    assert np.abs(f - phi).max() < 1e-10 * elastic.residual_force_scale
+    unbalanced = (
+        np.einsum("nac,na->c", elastic.kernel_arrays.bodies.R, f) + elastic.kernel_arrays.bodies.work_on_free_motions
+    )
+    assert np.abs(unbalanced).max(initial=0.0) < 1e-10 * elastic.residual_force_scale
 
 
 @pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "uneven flanks", "clearance"])
 def test_forces_are_the_gradient_of_the_energy(case):
     """-dE/dv by central differences of the balls' energy, away from the solution."""
     elastic = assembled(SCENES[case]())
-    elastic.iterate()
+    elastic.solve_by_newton()
     rng = np.random.default_rng(2)
-    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.given.bodies.v0.shape)
+    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.kernel_arrays.bodies.v0.shape)
     _, f, _ = balls(elastic, v)
     step = 2e-9
     for i, a in ((0, 0), (1, 1), (2, 2), (3, 6), (4, 7), (5, 4)):
@@ -154,13 +161,13 @@ def test_pair_form_is_the_four_flank_form(sides, backend):
     scene = scene if pushes else replace(scene, loads=(replace(load, force=(0.0, 0.0, -load.force[2])),))
     pair = assembled(scene, LADDER[backend], np.isin(np.arange(4), sides))
     four = assembled(scene, LADDER[backend])
-    assert (pair.pair, four.pair) == (sides, None)
+    assert (pair.only_flank_pair, four.only_flank_pair) == (sides, None)
     for one in (pair, four):
-        assert one.iterate().status == 0
-    contacts = [one.flanks()[0].contact[..., 0] for one in (pair, four)]
+        assert one.solve_by_newton().status == 0
+    contacts = [one.contact_states()[0].contacts[..., 0] for one in (pair, four)]
     assert relative(*contacts) < 1e-9
     assert (contacts[0][:, sides] > 0.0).all()
-    moved = [one.shifts()[:, sides] for one in (pair, four)]
+    moved = [one.flank_motions()[:, sides] for one in (pair, four)]
     assert relative(*moved) < 1e-9
     assert moved[1][:, 1].any() == (backend in ("lin-nut", "refined"))
 
@@ -253,7 +260,7 @@ def problem_of(case):
     scene = SHAFTS[case]()
     layout = ball_layout(scene)
     section = grooved_section(reduce_to_compliance_geometry(scene), True)
-    return build_problem(scene, draw_specimen(scene, layout), layout, ALL, section=section)
+    return build_problem(scene, draw_geometry_with_errors(scene, layout), layout, ALL, section=section)
 
 
 @pytest.mark.parametrize("case", SHAFTS)
@@ -262,20 +269,20 @@ def test_shaft_against_the_dense_beam(case):
     problem = problem_of(case)
     shaft = build_shaft(problem)
     size = 6 * problem.nodes.size
-    K, fixed = beam_stiffness_of_screw(problem), problem.fixed.ravel()
+    K, fixed = screw_beam_stiffness_matrix(problem), problem.fixed.ravel()
     rows = np.zeros((problem.B.shape[0], 2, 2, size))
     for i in range(rows.shape[0]):
         for s in range(2):
-            first = 6 * problem.node[i, s]
+            first = 6 * problem.first_nodes[i, s]
             rows[i, s, :, first : first + problem.B.shape[3]] = problem.B[i, s]
     rows = rows.transpose(1, 0, 2, 3).reshape(-1, size)
-    (G, R), v0 = flank_response(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
+    (G, R), v0 = flank_compliance_and_free_motions(shaft, [0, 1]), flank_motions_by_loads(shaft, [0, 1])
     assert G.shape == (rows.shape[0],) * 2
     assert relative(G, G.T) == 0.0
     rng = np.random.default_rng(4)
     forces = rng.normal(0.0, 100.0, rows.shape[0])
     if R.shape[1]:
-        forces -= R @ np.linalg.solve(R.T @ R, R.T @ forces + shaft.work)
+        forces -= R @ np.linalg.solve(R.T @ R, R.T @ forces + shaft.work_on_free_motions)
     amplitudes = rng.normal(0.0, 1e-5, R.shape[1])
     q = np.where(fixed, problem.prescribed.ravel(), 0.0)
     load = problem.load.ravel() + rows.T @ forces
@@ -302,8 +309,8 @@ def test_shaft_against_the_dense_beam(case):
 def test_a_contact_beside_a_held_face_keeps_what_its_body_takes_from_it():
     """A drawn nut held at both faces, its first ball 1.03 radii from one: 219.2 N by 3D on level 1, 210.2 N where all
     negative compliance is cut away."""
-    drawn = scene_file.scene_from_text(scene_text(SEED, 2), "drawn.toml")
-    result = run_model(drawn, "refined", Options(discretisation=False))
+    drawn = scene_file.scene_from_text(random_screw_scene_text(SEED, 2), "drawn.toml")
+    result = run_model(drawn, "refined", ModelOptions(estimate_beam_mesh_error=False))
     said = [text for text in result.left_out if "negative compliance" in text]
     assert all(float(text.partition("up to ")[2].partition(" %")[0]) < 1.0 for text in said)
     assert result.load[0, 2] > 214.0

@@ -6,9 +6,9 @@ from scipy.special import ellipe, ellipk, elliprd, elliprf
 from tests.helpers import relative, small_screw, solved, with_ingredients
 
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.hertz import axis_ratio, complete_elliptic_integrals, contact_modulus, hertz_constants
-from rollbench.lowfi.statics.contacts import actual_hertz, error_free_hertz
-from rollbench.meshes.errors import draw_specimen
+from rollbench.lowfi.hertz import complete_elliptic_integrals, contact_modulus, ellipse_semi_axis_ratio, hertz_constants
+from rollbench.lowfi.statics.contacts import hertz_at_contact_angles, hertz_without_errors
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 
 MODULUS = contact_modulus(210e9, 0.28, 210e9, 0.28)
@@ -67,7 +67,7 @@ def test_line_contact_limit(ratio, tolerance):
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_circle_is_approached_without_loss_of_digits(gap):
     """For A/B = 1 - gap: b/a = 1 - 2 gap / 3 and the approach of the mean curvature, both up to gap squared."""
-    assert axis_ratio(1 - gap) == pytest.approx(1 - 2 * gap / 3, abs=gap**2 + 1e-15)
+    assert ellipse_semi_axis_ratio(1 - gap) == pytest.approx(1 - 2 * gap / 3, abs=gap**2 + 1e-15)
     found = contact((1 - gap) / RADIUS, 1 / RADIUS)
     circle = contact((1 - gap / 2) / RADIUS, (1 - gap / 2) / RADIUS)
     assert found[0] == pytest.approx(circle[0], rel=gap**2 + 1e-14)
@@ -115,7 +115,7 @@ def test_conforming_surfaces_are_refused(one, other):
 @pytest.mark.parametrize("ratio", [0.0, -0.1, 1.001])
 def test_axis_ratio_out_of_range_is_refused(ratio):
     with pytest.raises(ValueError, match="ratio"):
-        axis_ratio(ratio)
+        ellipse_semi_axis_ratio(ratio)
 
 
 def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
@@ -124,7 +124,7 @@ def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
     scene = with_ingredients(nominal, hertz="actual")
     result = solved(scene)
     gamma = np.where(np.isnan(result.contact_angle), scene.track.contact_angle, result.contact_angle)
-    expected = actual_hertz(scene, draw_specimen(scene, ball_layout(scene)), gamma).C
+    expected = hertz_at_contact_angles(scene, draw_geometry_with_errors(scene, ball_layout(scene)), gamma).C
     assert result.hertz_C == pytest.approx(expected, rel=1e-12)
     assert 1e-4 < relative(result.load, solved(with_ingredients(nominal, hertz="error-free")).load) < 0.02
     assert 1e-7 < relative(result.load, solved(nominal).load) < 1e-4  # radii are most of it, contact angles the rest
@@ -133,7 +133,7 @@ def test_hertz_at_the_actual_geometry_is_consistent_with_the_solution():
 def test_constants_of_a_bearing():
     """Zero lead: curvatures of the two tori, screw convex along the track and nut concave."""
     scene = small_screw(lead=0.0)
-    found = error_free_hertz(scene)
+    found = hertz_without_errors(scene)
     r, beta = scene.balls.radius, scene.track.contact_angle
     for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
         along = 1 / r + sign * np.cos(beta) / (scene.track.pitch_radius - sign * r * np.cos(beta))

@@ -54,10 +54,10 @@ def test_old_machine_code_goes(tmp_path, monkeypatch):
 
 
 def test_what_waits_for_the_answer_is_done_once_and_compiling_said_once(monkeypatch, capsys):
-    jit._announce_compilation.cache_clear()
+    jit._print_compilation_notice.cache_clear()
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    jit._announce_compilation()
-    jit._announce_compilation()
+    jit._print_compilation_notice()
+    jit._print_compilation_notice()
     assert capsys.readouterr().err.count("compiling kernels, once on this machine") == 1
     done = []
     monkeypatch.setattr(jit, "_afterwards", {})

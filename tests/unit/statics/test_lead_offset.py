@@ -10,9 +10,13 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 
 from rollbench.compare.scenes import scene_file
 from rollbench.compare.scenes.template import ball_screw_text
-from rollbench.lowfi.rating.rigidity import approach_per_displacement, axial_displacement, displacement_by_contacts_only
+from rollbench.lowfi.rating.rigidity import (
+    approach_per_displacement,
+    displacement_by_contacts_only,
+    screw_displacement_at_nut,
+)
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.meshes.errors import are_in_shifted_half, draw_errors
 from rollbench.meshes.helix import ball_layout
@@ -34,7 +38,7 @@ def test_rigid_bodies_share_the_offset_between_their_halves(hand):
     """Without load the screw stands in the middle: each half presses its diagonal by s offset / 2."""
     scene = halves(hand=hand, screw="rigid")
     found = solved(scene)
-    C = error_free_hertz(scene).C
+    C = hertz_without_errors(scene).C
     expected = (0.5 * approach_per_displacement(scene) * OFFSET / (C[0] + C[3])) ** 1.5
     first, second = found.load[:6], found.load[6:]
     loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])
@@ -71,8 +75,8 @@ def test_one_nut_is_two_nuts_of_which_one_is_shifted():
 def test_a_ball_that_travels_meets_the_half_it_is_in():
     scene = halves()
     z = np.array([-9e-3, 9e-3]) + scene.nut.position
-    met = draw_errors(scene).at(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
-    step = met.centre[1] - met.centre[0]
+    met = draw_errors(scene).geometry_at_balls(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
+    step = met.groove_centres[1] - met.groove_centres[0]
     np.testing.assert_allclose(step[:2], 0.0, atol=1e-15)
     along = approach_per_displacement(scene) / np.sin(scene.track.contact_angle)
     np.testing.assert_allclose(step[2:], [[0.0, OFFSET * along]] * 2, atol=1e-12)
@@ -82,7 +86,7 @@ def test_preload_stiffens_the_contacts_as_the_solution_says():
     """Rigid bodies: the displacement of (1) is that of the solved screw, half and half of both diagonals."""
     force = 60.0
     scene = halves(force=force, screw="rigid")
-    moved = [axial_displacement(s, solved(s)) for s in (scene, halves(screw="rigid"))]
+    moved = [screw_displacement_at_nut(s, solved(s)) for s in (scene, halves(screw="rigid"))]
     assert displacement_by_contacts_only(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
     assert displacement_by_contacts_only(scene, force) < 0.5 * displacement_by_contacts_only(halves(0.0, force), force)
 

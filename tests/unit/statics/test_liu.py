@@ -8,8 +8,8 @@ import pytest
 
 from rollbench.compare.cases.liu import evidence
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import compute_all_results
-from rollbench.compare.models.registry import MODELS, Options, run_model
+from rollbench.compare.models.answers import compute_scene_results
+from rollbench.compare.models.registry import MODELS, ModelOptions, run_model
 from rollbench.compare.scenes.catalogue import scene
 from rollbench.lowfi.statics.liu import nut_as_spring_row, solve_liu
 from rollbench.lowfi.statics.mei import nut_tensile_stiffness, solve_mei
@@ -17,7 +17,7 @@ from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import BallErrors, Support
 from rollbench.meshes.section import screw_section
 
-QUIET = Options(discretisation=False)
+QUIET = ModelOptions(estimate_beam_mesh_error=False)
 
 
 @pytest.mark.parametrize("name", ["lin-case2", "unseen-63x20", "external-thk-bnf-3205-7p5", "liu-drawn"])
@@ -35,7 +35,7 @@ def test_with_constant_angles_it_is_mei_s_model_of_an_elastic_nut(name):
 def like_the_case(name, load=5000.0):
     """A scene of Liu's screw with the nut that gives the compliance of the case's calibration."""
     s = scene(name)
-    lost = evidence.calibrated_model().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
+    lost = evidence.calibrated_axial_model().compliance / (s.track.lead / 26.0) - 1.0 / screw_section(s).EA
     area = 1.0 / (lost * s.nut.material.youngs_modulus)
     bore = 2.0 * (s.track.pitch_radius + s.balls.radius * cos(s.track.contact_angle))
     nut = replace(s.nut, outer_diameter=sqrt(4.0 * area / np.pi + bore**2))
@@ -71,7 +71,7 @@ def test_rigid_bodies_share_equally_at_the_turned_angle():
     stiff = replace(s, nut=replace(s.nut, material=steel), ingredients=replace(s.ingredients, screw="rigid"))
     row = nut_as_spring_row(stiff)
     r = solve_liu(replace(stiff, nut=replace(stiff.nut, material=s.nut.material)))
-    assert row.chain.compliance < 1e-5 * nut_as_spring_row(s).chain.compliance
+    assert row.liu_chain.compliance < 1e-5 * nut_as_spring_row(s).liu_chain.compliance
     r = solve_liu(stiff)
     each = s.loads[0].force[2] / s.ball_count
     assert r.load[:, 0] * np.sin(r.contact_angle[:, 0]) * cos(lead_angle(s.track)) == pytest.approx(each, rel=1e-4)
@@ -82,13 +82,13 @@ def test_stiffness_is_the_tangent_or_over_the_step():
     s = scene("liu-drawn")
     s = replace(s, ingredients=replace(s.ingredients, load_step=600.0))
     result = run_model(s, "liu", QUIET)
-    answers = compute_all_results(s, result, "liu", QUIET)
+    answers = compute_scene_results(s, result, "liu", QUIET)
     pushed = [replace(s, loads=(replace(s.loads[0], force=(0.0, 0.0, f)),)) for f in (4999.5, 5000.5, 5000.0, 5600.0)]
     at = [solve_liu(x).centreline[0, 2] for x in pushed]
     shaft = abs(s.loads[0].at - result.z.min()) / screw_section(s).EA
     assert 1.0 / answers.tangent == pytest.approx((at[1] - at[0]) / 1.0 - shaft, rel=1e-5)
-    assert 1.0 / answers.stepped == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
-    assert answers.stepped > answers.tangent
+    assert 1.0 / answers.load_step_stiffness == pytest.approx((at[3] - at[2]) / 600.0 - shaft, rel=1e-4)
+    assert answers.load_step_stiffness > answers.tangent
 
 
 @pytest.mark.parametrize(
@@ -104,8 +104,8 @@ def test_stiffness_is_the_tangent_or_over_the_step():
 def test_what_it_does_not_know_is_refused(key, change):
     s = scene("lin-case1")
     other = replace(s, **change(s))
-    assert MODELS["liu"].suits(s)
-    assert not MODELS["liu"].suits(other)
+    assert MODELS["liu"].covers_scene(s)
+    assert not MODELS["liu"].covers_scene(other)
     with pytest.raises(InputError) as refused:
         run_model(other, "liu", QUIET)
     assert refused.value.key == key

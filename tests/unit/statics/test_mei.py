@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.scenes.catalogue import scene
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.mei import solve_mei
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import Material, Scene
@@ -40,6 +40,6 @@ def test_two_balls_by_hand() -> None:
     s = scene("lin-case1")
     two = replace(s, balls=replace(s.balls, azimuths=(-np.pi, np.pi)))
     load = solve_mei(two).load[:, 0]
-    c, bar = error_free_hertz(s).C, screw_section(s).EA / 20e-3
+    c, bar = hertz_without_errors(s).C, screw_section(s).EA / 20e-3
     u = float(c[0] + c[3]) * load ** (2 / 3) / slope_of(s)
     assert bar * (u[0] - u[1]) == pytest.approx(slope_of(s) * load[1], rel=1e-9)

@@ -10,7 +10,7 @@ from tests.shipped_texts import own_text
 
 from rollbench.compare.scenes import scene_file
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.tangent import tangent_stiffness
@@ -54,7 +54,7 @@ def test_thrust_between_rigid_rings_in_closed_form() -> None:
     centres = 2.0 * 0.25e-3
     angle = found.contact_angle[0, 0]
     moved = centres * np.tan(angle)
-    constants = error_free_hertz(scene).C
+    constants = hertz_without_errors(scene).C
     force = ((np.hypot(centres, moved) - centres) / (constants[0] + constants[3])) ** 1.5
     np.testing.assert_allclose(found.load[:, 0], force, rtol=1e-6)
     assert 9.0 * force * np.sin(angle) == pytest.approx(2000.0, rel=1e-6)

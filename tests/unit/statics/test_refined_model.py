@@ -10,25 +10,25 @@ import pytest
 
 from rollbench.compare.errors import InputError
 from rollbench.compare.models import model_form, modelling
-from rollbench.compare.models.registry import DEFAULT, Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import DEFAULT, ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.estimate import reference_of_scene
-from rollbench.compare.reference.store import load_run, path_of_bodies, shipped_store
+from rollbench.compare.reference.store import load_stored_run, path_of_bodies, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.parts import Scene
 
-QUIET = Options(discretisation=False, engine="compiled")
+QUIET = ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
 
 
 @pytest.fixture(autouse=True)
 def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a climb times from nothing is kept here from one rung to the next, and compiled kernels serve."""
     monkeypatch.setattr(modelling, "clear_compliance_caches", lambda: None)
-    monkeypatch.setattr(modelling, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
+    monkeypatch.setattr(modelling, "Options", lambda **_: ModelOptions(estimate_beam_mesh_error=False, engine="compiled"))
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
-    run = load_run(catalogue.scene(name), level)
+    run = load_stored_run(catalogue.scene(name), level)
     assert run is not None
     return path_of_bodies(shipped_store(), catalogue.scene(name), run)
 
@@ -66,15 +66,19 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
     start = perf_counter()
     rung = rungs_of(catalogue.scene("lin-case1"))
     assert 0.0 < sum(r.seconds for r in rung.values()) < perf_counter() - start
-    assert rung["condensed"].error.max_percent < 0.5
-    assert rung["condensed"].error.rms_percent < 0.25
-    assert rung["refined"].error.max_percent < 1.2
-    assert rung["refined"].error.rms_percent < 0.45
-    assert rung["lin"].error.max_percent > rung["lin-cell"].error.max_percent > rung["lin-nut"].error.max_percent
-    assert rung["lin-nut"].error.max_percent > 2.0 * rung["refined"].error.max_percent
+    assert rung["condensed"].load_error.max_percent < 0.5
+    assert rung["condensed"].load_error.rms_percent < 0.25
+    assert rung["refined"].load_error.max_percent < 1.2
+    assert rung["refined"].load_error.rms_percent < 0.45
+    assert (
+        rung["lin"].load_error.max_percent
+        > rung["lin-cell"].load_error.max_percent
+        > rung["lin-nut"].load_error.max_percent
+    )
+    assert rung["lin-nut"].load_error.max_percent > 2.0 * rung["refined"].load_error.max_percent
 
 
-def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
+def rungs_of(scene: Scene) -> dict[str, modelling.RefinementStepResult]:
     found = reference_of_scene(scene)
     assert found is not None
     return {r.model: r for r in modelling.solve_refinement_sequence(scene, found, None)}
@@ -82,24 +86,26 @@ def rungs_of(scene: Scene) -> dict[str, modelling.Rung]:
 
 @pytest.mark.slow
 def test_unseen_screws_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    study, held = Study(), ("refined", "condensed", "lin")
+    study, held = SceneResultCache(), ("refined", "condensed", "lin")
     monkeypatch.setattr(modelling, "RUNGS", [model for model in modelling.RUNGS if model.name in held])
     for name in modelling.UNSEEN:
-        rungs = rungs_of(study.scene(name))
-        bar = rungs["refined"].uncertainty or 0.0  # none of one level
+        rungs = rungs_of(study.built_in_scene(name))
+        bar = rungs["refined"].reference_uncertainty or 0.0  # none of one level
         # thin nut: 2.57 - 0.11 (its bar was 1.06); its grooved wall is no smooth tube
-        assert rungs["refined"].error.max_percent - bar < (2.5 if name == "unseen-thin-nut" else 1.4)
-        if study.scene(name).track.lead:  # rings are short: their wall is what little both models lack
-            assert rungs["lin"].error.max_percent > 3.0 * rungs["refined"].error.max_percent
-        assert rungs["condensed"].error.max_percent <= max(0.8, 1.1 * bar)  # hollow: 0.75 with preload and offset, +- 0.39
+        assert rungs["refined"].load_error.max_percent - bar < (2.5 if name == "unseen-thin-nut" else 1.4)
+        if study.built_in_scene(name).track.lead:  # rings are short: their wall is what little both models lack
+            assert rungs["lin"].load_error.max_percent > 3.0 * rungs["refined"].load_error.max_percent
+        assert rungs["condensed"].load_error.max_percent <= max(
+            0.8, 1.1 * bar
+        )  # hollow: 0.75 with preload and offset, +- 0.39
 
 
 def test_kept_points_are_what_the_ladder_gives_now() -> None:
-    study = Study()
-    kept = {(p.scene, p.model): p for p in model_form.errors_on_compared_scenes()}
+    study = SceneResultCache()
+    kept = {(p.scene, p.model): p for p in model_form.model_errors_on_compared_scenes()}
     assert {m for _, m in kept} == {m.name for m in modelling.RUNGS}
     for name in ("lin-case1", "unseen-flange"):
-        for p in modelling.model_errors_on_shipped_scenes(study, list(rungs_of(study.scene(name)).values())):
+        for p in modelling.model_errors_on_built_in_scenes(study, list(rungs_of(study.built_in_scene(name)).values())):
             old = kept[p.scene, p.model]
             assert p.percent == pytest.approx(old.percent, abs=2e-3)
             assert p.features == pytest.approx(old.features, abs=2e-3)
@@ -126,7 +132,7 @@ def test_what_is_expected_grows_where_errors_do_and_ends_where_nothing_was_compa
 
 def test_nine_of_ten_compared_screws_are_within_what_the_others_expect() -> None:
     """The refined model, each screw judged by all others: covered, held, and no promise of fifty per cent."""
-    found = model_form.leave_one_out(model_form.errors_on_compared_scenes(), DEFAULT)
+    found = model_form.leave_one_out_errors(model_form.model_errors_on_compared_scenes(), DEFAULT)
     covered = [one for one in found if one.expected is not None]
     assert len(covered) >= 0.9 * len(found)
     assert sum(one.point.scene.startswith("survey") for one in found) >= 190
@@ -147,7 +153,7 @@ SHIPPED_BEYOND_EXPECTED = {"unseen-40x10", "unseen-thin-nut"}
 
 def test_every_compared_screw_beyond_reach_or_expectation_is_known() -> None:
     """One more fails, one less too: the list is then wrong."""
-    found = model_form.leave_one_out(model_form.errors_on_compared_scenes(), DEFAULT)
+    found = model_form.leave_one_out_errors(model_form.model_errors_on_compared_scenes(), DEFAULT)
     far = {one.point.scene for one in found if one.point.percent > 1.5 or one.point.rms_percent > 0.5}
     beyond = {one.point.scene for one in found if one.expected and one.point.percent > (one.expected["percent"] or np.inf)}
     assert far == {f"survey {number}" for number in BEYOND_REACH}
@@ -172,18 +178,18 @@ def test_an_expected_error_holds_the_share_that_it_says() -> None:
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from rollbench.compare.gate.gate import compare_two_ball_load
-    from rollbench.compare.models.load_cases import Solved
+    from rollbench.compare.gate.gate import two_ball_load_by_solver_and_formula
+    from rollbench.compare.models.load_cases import SceneSolution
     from rollbench.compare.results.rows import expected_error_sentence
     from rollbench.compare.results.scene_json import solved_case_json
 
-    found, closed = compare_two_ball_load(catalogue.scene("lin-case1"))
+    found, closed = two_ball_load_by_solver_and_formula(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)
     scene = catalogue.scene("two-balls")
     for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):
         result = run_model(other, "lin", QUIET)
         form = model_form.estimate_model_error(other, result)
-        worth = solved_case_json(Solved(other, result, None, form))["model_form"]
+        worth = solved_case_json(SceneSolution(other, result, None, form))["model_form"]
         assert [worth[f"{name}_percent_of_mean"] for name in ("largest", "rms")] == [None, None]
         assert worth["covered"] is False
         words = expected_error_sentence(form)
@@ -195,7 +201,7 @@ def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
     """A ring from rings, of which too few were compared, a screw from screws; a rigid nut, or a rigid screw with a lead,
     was never compared."""
     scene, ring = catalogue.scene("lin-case1"), catalogue.scene("unseen-four-point")
-    points = model_form.errors_on_compared_scenes()
+    points = model_form.model_errors_on_compared_scenes()
     rings = {p.scene for p in points if p.features["lead"] == 0.0}
     of_ring = model_form.estimate_model_error(ring, run_model(ring, "lin", QUIET))
     assert of_ring.percent is None

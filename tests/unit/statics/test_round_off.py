@@ -9,9 +9,9 @@ from tests.axes import one_set
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
 
 from rollbench.lowfi.hertz import contact_stiffness_under_force
-from rollbench.lowfi.statics.axis.elastic import solve_refined
+from rollbench.lowfi.statics.axis.elastic import solve_assembly_with_elastic_bodies
 from rollbench.lowfi.statics.axis.solve import solve_assembly
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 
@@ -19,7 +19,7 @@ SOLVERS = {
     "beam": solve_static,
     "bodies": solve_elastic,
     "beam of several sets": lambda scene, **options: solve_assembly(one_set(scene), **options),
-    "bodies of several sets": lambda scene, **options: solve_refined(one_set(scene), **options),
+    "bodies of several sets": lambda scene, **options: solve_assembly_with_elastic_bodies(one_set(scene), **options),
 }
 EPS = float(np.finfo(float).eps)
 
@@ -34,7 +34,7 @@ def test_uneven_flanks_are_met_in_lengths_of_the_ball_s_radius(solve):
         found = solve(scene)
         assert found.converged, found.status
         load = found.load if hasattr(found, "load") else found.sets[0].balls.load
-        stiffest = float(contact_stiffness_under_force(load.max(), error_free_hertz(scene).C.min()))
+        stiffest = float(contact_stiffness_under_force(load.max(), hertz_without_errors(scene).C.min()))
         ulp = EPS * scene.balls.radius * stiffest / load.max()
         bounds.append(found.solver.round_off_bound / ulp)
     assert 1.0 < bounds[0] < 100.0  # some operations each, in more than one contact at a node

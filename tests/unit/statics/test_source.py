@@ -8,16 +8,16 @@ from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solv
 
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.as_source import (
-    System,
-    beam_stiffness_of_screw,
+    LinEquations,
     equations_and_jacobian,
-    initial_state,
-    solve_by_source_equations,
-    solve_source_as_static_result,
+    newton_start_values,
+    screw_beam_stiffness_matrix,
+    solve_by_lin_equations,
+    solve_lin_equations_as_static_result,
 )
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.problem import build_problem
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import BallErrors
 
@@ -26,10 +26,10 @@ CASES = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
 
 def system_of(scene, kinematics):
     layout = ball_layout(scene)
-    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    problem = build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
     free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    return System(problem, kinematics, beam_stiffness_of_screw(problem), free, axes)
+    return LinEquations(problem, kinematics, screw_beam_stiffness_matrix(problem), free, axes)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
@@ -46,7 +46,7 @@ def test_jacobian(kinematics, partition, errors):
     unit = np.concatenate(  # a micrometre, and the angle that shifts a contact or the pitch circle by as much
         [np.full(12, 1e-6), np.full(24, 1e-2), np.tile([1e-6] * 3 + [5e-5] * 3, system.problem.nodes.size)]
     )
-    x = initial_state(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
+    x = newton_start_values(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
     load = rng.normal(0.0, 10.0, size - 36)
     _, jacobian, forces = equations_and_jacobian(system, x, load)
     assert (forces > 0.0).sum() >= 3 * count
@@ -66,52 +66,53 @@ def test_both_solvers_agree_on_the_same_equations(case, partition):
     """Lin 2.18-2.21 moves the station and arm with gamma; the energy's arcs turn rigidly: some 1e-4 of the load."""
     scene = with_ingredients(catalogue.scene(case), partition=partition)
     source, energy, moving = (
-        solve_by_source_equations(scene, kinematics="arc"),
+        solve_by_lin_equations(scene, kinematics="arc"),
         solved(scene),
-        solve_by_source_equations(scene, kinematics="source"),
+        solve_by_lin_equations(scene, kinematics="source"),
     )
     assert source.status == moving.status == "converged"
-    assert relative(source.load, energy.load) < 1e-8
+    assert relative(source.contact_loads, energy.load) < 1e-8
     loaded = energy.load > 0.0
-    assert source.contact_angle[loaded] == pytest.approx(energy.contact_angle[loaded], abs=1e-8)
-    assert 1e-8 < relative(moving.load, energy.load) < 2e-4
+    assert source.contact_angles[loaded] == pytest.approx(energy.contact_angle[loaded], abs=1e-8)
+    assert 1e-8 < relative(moving.contact_loads, energy.load) < 2e-4
 
 
 def test_both_solvers_agree_with_pitch_and_roundness_errors():
     scene = small_screw(count=12, turns=2.0, force=(0.0, 200.0, 2000.0))
     scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=4e-6), **NO_PROFILES))
-    source = solve_by_source_equations(scene, kinematics="arc")
+    source = solve_by_lin_equations(scene, kinematics="arc")
     assert source.status == "converged"
-    assert relative(source.load, solved(scene).load) < 1e-8
+    assert relative(source.contact_loads, solved(scene).load) < 1e-8
 
 
 def test_newton_from_the_nominal_state_and_other_starts():
     """Singular at once without preload, where no contact is closed; convergent with it, to the same loads from all."""
-    loose = solve_by_source_equations(catalogue.scene("lin-case1"), start="nominal")
+    loose = solve_by_lin_equations(catalogue.scene("lin-case1"), start_values="nominal")
     assert loose.status.startswith("singular Jacobian at iteration 1")
     assert not loose.converged
     nominal, *others = (
-        solve_by_source_equations(catalogue.scene("lin-case3"), start=s) for s in ("nominal", "guess", "load steps")
+        solve_by_lin_equations(catalogue.scene("lin-case3"), start_values=s) for s in ("nominal", "guess", "load steps")
     )
     for other in others:
         assert nominal.status == other.status == "converged"
-        assert relative(other.load, nominal.load) < 1e-9
+        assert relative(other.contact_loads, nominal.contact_loads) < 1e-9
 
 
 def test_rigid_screw_is_refused():
     with pytest.raises(ValueError, match="beam"):
-        solve_by_source_equations(small_screw(screw="rigid"))
+        solve_by_lin_equations(small_screw(screw="rigid"))
 
 
 def test_the_source_model_keeps_the_constants_of_error_free_parts():
     """Printed loads are those of error-free constants, whatever an oversize does to them; the equations take either."""
     scene = with_ingredients(catalogue.scene("lin-case3"), partition="source")
-    model, row = solve_source_as_static_result(scene), error_free_hertz(scene).C
+    model, row = solve_lin_equations_as_static_result(scene), hertz_without_errors(scene).C
     assert model.converged
     assert model.hertz_C == pytest.approx(np.tile(row, (32, 1)), rel=1e-15)
     old = solved(with_ingredients(scene, hertz="error-free")).load
     assert (
-        relative(solve_by_source_equations(with_ingredients(scene, hertz="error-free"), kinematics="arc").load, old) < 1e-8
+        relative(solve_by_lin_equations(with_ingredients(scene, hertz="error-free"), kinematics="arc").contact_loads, old)
+        < 1e-8
     )
     assert relative(solved(scene).load, old) > 1e-3
 
@@ -120,10 +121,10 @@ def test_the_source_model_keeps_the_constants_of_error_free_parts():
 def test_reactions_are_those_of_the_source_s_own_equations(case):
     """Sums of loads, reactions and contact forces; with the arcs of the energy solver both models have one reaction."""
     scene = catalogue.scene(case)
-    result = solve_source_as_static_result(scene)
+    result = solve_lin_equations_as_static_result(scene)
     balance = result.equilibrium
     assert balance.force_residual < 1e-3
     assert balance.reaction_force == pytest.approx(solved(scene).equilibrium.reaction_force, abs=1.0)
-    arc = solve_by_source_equations(scene, kinematics="arc")
+    arc = solve_by_lin_equations(scene, kinematics="arc")
     expected = solved(scene).equilibrium.reaction_force
-    assert arc.reactions[:, :3].sum(axis=0) == pytest.approx(expected, abs=1e-6 * np.abs(result.load).max())
+    assert arc.support_reactions[:, :3].sum(axis=0) == pytest.approx(expected, abs=1e-6 * np.abs(result.load).max())

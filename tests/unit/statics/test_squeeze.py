@@ -13,13 +13,13 @@ from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.problem import Problem, build_problem
 from rollbench.lowfi.statics.shaft import (
     SectionForceCoupling,
-    Shaft,
+    ShaftBeam,
     build_shaft,
+    build_shaft_stretch,
     couple_section_forces,
     is_loaded_above_node,
-    stretch_of,
 )
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import FREEDOMS, Load, Scene, Support
 from rollbench.meshes.section import tube_section
@@ -30,7 +30,7 @@ RIGHT = CASE.screw.length
 BETWEEN = replace(CASE, supports=(HELD, replace(HELD, at=RIGHT)), loads=())
 SMOOTH = replace(REFINED, flank=False)
 TUBE = smooth_body(reduce_to_compliance_geometry(CASE), True, REFINED)
-PLAIN = tube_section(2.0 * TUBE.outer, 2.0 * TUBE.bore, TUBE.material)
+PLAIN = tube_section(2.0 * TUBE.outer_radius, 2.0 * TUBE.bore_radius, TUBE.material)
 NU = TUBE.material.poissons_ratio
 
 
@@ -38,13 +38,15 @@ def problem_of(scene: Scene) -> Problem:
     layout = ball_layout(scene)
     section = grooved_section(reduce_to_compliance_geometry(scene), True)
     return build_problem(
-        scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=True, section=section
+        scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool), everything=True, section=section
     )
 
 
-def squeeze_of(problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0) -> tuple[Shaft, SectionForceCoupling]:
+def squeeze_of(
+    problem: Problem, used: tuple[int, ...] = (0, 1), strain: float = 0.0
+) -> tuple[ShaftBeam, SectionForceCoupling]:
     shaft = build_shaft(problem)
-    stretch = stretch_of(problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size))
+    stretch = build_shaft_stretch(problem, problem.scene, problem.layout, SMOOTH, used, slice(0, problem.layout.z.size))
     return shaft, couple_section_forces(shaft, used, [stretch], strain)
 
 
@@ -58,9 +60,9 @@ def test_contacts_feel_the_wrench_above_them() -> None:
     force, moment = np.array([300.0, -200.0, 8e3]), np.array([40.0, 20.0, 5.0])
     problem = pulled(tuple(force), tuple(moment))
     response = screw_response_to_end_wrench(CASE, problem.layout, SMOOTH)
-    arm = np.array([0.0, 0.0, RIGHT - response.high])
-    wanted = response.contacts @ np.concatenate([force, moment + np.cross(arm, force)])
-    assert relative(squeeze_of(problem)[1].moved, wanted) < 1e-6
+    arm = np.array([0.0, 0.0, RIGHT - response.high_end])
+    wanted = response.contact_motions @ np.concatenate([force, moment + np.cross(arm, force)])
+    assert relative(squeeze_of(problem)[1].flank_motions_by_loads, wanted) < 1e-6
 
 
 def test_what_is_held_at_its_length_and_warm_is_pressed() -> None:
@@ -69,8 +71,8 @@ def test_what_is_held_at_its_length_and_warm_is_pressed() -> None:
     strain = 2e-4
     problem.load[0, 2] -= problem.section.EA * strain
     problem.load[-1, 2] += problem.section.EA * strain
-    moved = squeeze_of(problem, strain=strain)[1].moved.reshape(2, -1, 2)
-    wanted = NU * TUBE.radius * strain * problem.section.EA / PLAIN.EA
+    moved = squeeze_of(problem, strain=strain)[1].flank_motions_by_loads.reshape(2, -1, 2)
+    wanted = NU * TUBE.contact_radius * strain * problem.section.EA / PLAIN.EA
     np.testing.assert_allclose(moved[..., 0], wanted, rtol=1e-2)
 
 
@@ -78,10 +80,10 @@ def test_an_end_that_nothing_holds_adds_nothing() -> None:
     """A free upper end: no section force above the contacts; a support there makes the difference, symmetric."""
     free = problem_of(replace(CASE, supports=(HELD,), loads=()))
     held = problem_of(BETWEEN)
-    cut = int(held.node.max())
+    cut = int(held.first_nodes.max())
     assert not is_loaded_above_node(free, cut)
     assert is_loaded_above_node(held, cut)
-    none, some = (squeeze_of(p)[1].added for p in (free, held))
+    none, some = (squeeze_of(p)[1].added_compliance for p in (free, held))
     assert np.abs(some - some.T).max() == 0.0
     assert np.abs(none).max() == 0.0 < np.abs(some).max()
 
@@ -94,8 +96,8 @@ def test_contacts_that_press_lengthen_the_screw() -> None:
     force = np.zeros((problem.layout.z.size, 2))
     force[:, 0] = -100.0
     loads = squeeze.nodal_loads_of_jumps(force.ravel())
-    taken = shaft.times(shaft.solve(loads[:, None])[:, 0]) - loads
-    wanted = NU * TUBE.radius * 100.0 * len(force) / RIGHT * problem.section.EA / PLAIN.EA
+    taken = shaft.nodal_forces(shaft.motions_under_loads(loads[:, None])[:, 0]) - loads
+    wanted = NU * TUBE.contact_radius * 100.0 * len(force) / RIGHT * problem.section.EA / PLAIN.EA
     assert taken[2] == pytest.approx(wanted, rel=1e-2)
     assert taken[-4] == pytest.approx(-wanted, rel=1e-2)
 
@@ -106,10 +108,10 @@ def test_loads_and_forces_move_one_another_alike() -> None:
     shaft, squeeze = squeeze_of(problem)
     rng = np.random.default_rng(2)
     forces, loads = rng.normal(size=4 * problem.layout.z.size), rng.normal(size=(6 * problem.nodes.size, 1))
-    by_loads, _ = squeeze.by_loads(loads, shaft.solve(loads))
-    nodes = shaft.solve(squeeze.nodal_loads_of_jumps(forces)[:, None])[:, 0] + squeeze.inside.nodal_motions_by_flank_forces(
-        forces
-    )
+    by_loads, _ = squeeze.motions_by_loads(loads, shaft.motions_under_loads(loads))
+    nodes = shaft.motions_under_loads(squeeze.nodal_loads_of_jumps(forces)[:, None])[
+        :, 0
+    ] + squeeze.jumps_inside_stretches.nodal_motions_by_flank_forces(forces)
     nodes[np.repeat(problem.fixed.any(axis=1), 6)] = 0.0
     assert by_loads[:, 0] @ forces == pytest.approx(float(loads[:, 0] @ nodes), rel=1e-9)
 

@@ -8,14 +8,14 @@ import pytest
 from scipy.optimize import brentq
 from tests.helpers import small_screw, solved
 
-from rollbench.compare.errors import Refusal
-from rollbench.compare.models.load_cases import Solved
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.errors import SceneNotCoveredError
+from rollbench.compare.models.load_cases import SceneSolution
+from rollbench.compare.models.registry import ModelOptions, run_model
 from rollbench.compare.results.scene_json import solved_case_json
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.text.solved import solved_case_parts
 from rollbench.lowfi.compliance.parts import LADDER
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.meshes.helix import lead_angle
@@ -34,7 +34,7 @@ def turned_contacts(scene, second=1.0):
     force = sum(load.force[2] for load in scene.loads)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
     d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
-    pair = 2.0 * float(error_free_hertz(scene).C.mean())
+    pair = 2.0 * float(hertz_without_errors(scene).C.mean())
 
     def diagonals(s):
         x, z = d * np.cos(beta), np.array([d * np.sin(beta) + s * np.cos(alpha), d * np.sin(beta) - s * np.cos(alpha)])
@@ -114,7 +114,7 @@ def test_beams_of_the_elastic_solver_find_the_same_equilibrium(name):
 def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
     scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0))
     words = r"contact angle 0\.001 deg, .* need 3\.8 deg: .*lin, lin-cell and lin-nut.* count one contact twice"
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(SceneNotCoveredError, match=words):
         run_model(scene, "refined")
     assert run_model(small_screw(8, beta=np.radians(5.0), force=(0.0, 0.0, 1250.0)), "refined").converged
 
@@ -128,17 +128,19 @@ def test_what_was_included_does_not_stand_under_left_out(solve):
     assert (result.load > 0.0).any(axis=0).all()
     assert any("solved again with all four" in note for note in result.solver.notes)
     assert not any("included" in text or "all four" in text for text in result.left_out)
-    assert any("solved again with all four" in note for note in solved_case_json(Solved(scene, result))["solver"]["notes"])
+    assert any(
+        "solved again with all four" in note for note in solved_case_json(SceneSolution(scene, result))["solver"]["notes"]
+    )
 
 
 def test_a_result_says_which_member_it_is():
     scene = catalogue.scene("lin-random")
-    options = Options(member=3, discretisation=False)
+    options = ModelOptions(member=3, estimate_beam_mesh_error=False)
     result = run_model(scene, "lin", options)
-    assert solved_case_json(Solved(scene, result))["member"] == 3
-    assert "specimen 3 of its random errors" in str(solved_case_parts(Solved(scene, result))[0])
+    assert solved_case_json(SceneSolution(scene, result))["member"] == 3
+    assert "specimen 3 of its random errors" in str(solved_case_parts(SceneSolution(scene, result))[0])
     plain = catalogue.scene("lin-case1")
-    assert solved_case_json(Solved(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
+    assert solved_case_json(SceneSolution(plain, run_model(plain, "lin", replace(options, member=0))))["member"] is None
 
 
 @pytest.mark.parametrize("screw", ["beam", "rigid"])

@@ -12,10 +12,10 @@ from rollbench.compare.models.registry import run_model
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import scene_from_text
 from rollbench.lowfi.statics.elastic import solve_elastic
-from rollbench.lowfi.statics.held import free_motions
-from rollbench.lowfi.statics.problem import build_problem, contradiction
+from rollbench.lowfi.statics.held import find_unresisted_motions
+from rollbench.lowfi.statics.problem import build_problem, find_support_contradiction
 from rollbench.lowfi.statics.static import solve_static
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import Load, Support
 
@@ -63,15 +63,15 @@ def test_contradiction_is_found_where_the_residual_of_least_squares_says_so(seed
     stations = np.sort(rng.uniform(0.0, scene.screw.length, 3))
     supports = [Support(z, tuple((k, v) for k, v in motion(z).items() if rng.random() < 0.6)) for z in stations]
     agreeing = replace(scene, supports=tuple(supports))
-    assert contradiction(agreeing) is None
+    assert find_support_contradiction(agreeing) is None
     moved = tuple(replace(s, fixed=tuple((k, v + (3e-5 if k == "uz" else 0.0)) for k, v in s.fixed)) for s in supports[1:])
     holds_uz = [any(k == "uz" for k, _ in s.fixed) for s in supports]
-    clash = contradiction(replace(scene, supports=(supports[0], *moved)))
+    clash = find_support_contradiction(replace(scene, supports=(supports[0], *moved)))
     assert (clash is not None) == (holds_uz[0] and any(holds_uz[1:]))
     if clash is not None:
-        assert clash.held.freedom == "uz"
+        assert clash.contradicted.freedom == "uz"
         assert clash.implied == pytest.approx(u[2], rel=1e-9)
-        assert [x.freedom for x in clash.by] == ["uz"]
+        assert [x.freedom for x in clash.implied_by] == ["uz"]
 
 
 @pytest.mark.parametrize(("apart", "refused"), [(5, True), (10, True), (11, False)])
@@ -114,9 +114,9 @@ def test_a_rotation_that_is_held_twice_is_said_as_a_rotation():
     """What the supports before it make it, in rad and not over the pitch radius."""
     first = Support(0.02, (("ux", 0.0), ("uy", 0.0), ("uz", 0.0), ("rx", 1e-3), ("ry", -2e-3), ("rz", 3e-3)))
     for name, implied in (("rx", 1e-3), ("ry", -2e-3), ("rz", 3e-3)):
-        found = contradiction(replace(small_screw(), supports=(first, Support(0.15, ((name, 0.0),)))))
-        assert (found.held.freedom, found.implied) == (name, pytest.approx(implied, rel=1e-9))
-    moved = contradiction(replace(small_screw(), supports=(first, Support(0.12, (("ux", 0.0),)))))
+        found = find_support_contradiction(replace(small_screw(), supports=(first, Support(0.15, ((name, 0.0),)))))
+        assert (found.contradicted.freedom, found.implied) == (name, pytest.approx(implied, rel=1e-9))
+    moved = find_support_contradiction(replace(small_screw(), supports=(first, Support(0.12, (("ux", 0.0),)))))
     assert moved.implied == pytest.approx(-2e-3 * 0.1, rel=1e-9)
 
 
@@ -124,11 +124,11 @@ def test_free_motions_of_ten_thousand_balls_take_no_square_of_them():
     """A full singular value decomposition of their motions takes a minute and gigabytes."""
     scene = small_screw(10_000, 1.0, screw="rigid", fixed=(("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0)))
     layout = ball_layout(scene)
-    problem = build_problem(scene, draw_specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    problem = build_problem(scene, draw_geometry_with_errors(scene, layout), layout, np.ones(4, dtype=bool))
     tracemalloc.start()
-    found = free_motions(problem)
+    found = find_unresisted_motions(problem)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert found.text == "screw motion along the helix"
+    assert found.description == "screw motion along the helix"
     assert len(found.pins) == 1
     assert most < 50e6

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from tests.helpers import small_screw
 
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.lowfi.statics.static import solve_static
 from rollbench.lowfi.statics.validity import DENT_PRESSURE, LARGE, size_warnings
-from rollbench.lowfi.warned import Warned, join_brief_warnings
+from rollbench.lowfi.warned import ResultWarning, join_brief_warnings
 from rollbench.meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 
 
@@ -31,7 +31,7 @@ def test_a_lightly_loaded_screw_has_no_warning():
 def test_pressure_that_leaves_a_dent_is_told_from_there_on():
     """p = 1.5 F^(1/3)/(pi C_a C_b): the force at which the source's screw reaches 4.2 GPa."""
     result = solve_static(pressed(4000.0), engine="interpreted")
-    constants = error_free_hertz(pressed(4000.0))
+    constants = hertz_without_errors(pressed(4000.0))
     most = float(constants.pressure(result.load).max())
     factor = (DENT_PRESSURE / most) ** 3
     assert "GPa" not in words(pressed(4000.0 * factor * 0.9))
@@ -82,10 +82,10 @@ def test_a_profile_that_bends_as_far_as_the_ball_is_away_is_told(slope, unique):
 
 
 def test_a_warning_keeps_its_kind_in_a_copy_of_another_process() -> None:
-    one = Warned("rotation", "turned", "rotations of 60 mrad")
+    one = ResultWarning("rotation", "turned", "rotations of 60 mrad")
     copy = pickle.loads(pickle.dumps(one))
     assert (copy, copy.kind, copy.brief) == (one, "rotation", "rotations of 60 mrad")
-    assert join_brief_warnings((one, one.with_part_name("nut 1"), Warned("tilt", "tilted"))) == (
+    assert join_brief_warnings((one, one.with_part_name("nut 1"), ResultWarning("tilt", "tilted"))) == (
         "WARNING outside what the models mean: rotations of 60 mrad; nut 1: rotations of 60 mrad"
     )
-    assert join_brief_warnings((Warned("tilt", "tilted"),)) == ""
+    assert join_brief_warnings((ResultWarning("tilt", "tilted"),)) == ""

@@ -1,12 +1,12 @@
 """Figures of a sweep: what stands on their axes."""
 
-from rollbench.compare.sections.tolerances import stored_sweep
-from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.sections.tolerances import stored_tolerance_sweep
+from rollbench.compare.studies.sweep.keys import read_varied_keys
 from rollbench.reports.content import Figure, Panel, Series
 from rollbench.reports.figures import draw_figure, draw_figure_and_canvas
 
-FOUND = stored_sweep()
-KEYS = read_vary(FOUND["vary"])
+FOUND = stored_tolerance_sweep()
+KEYS = read_varied_keys(FOUND["vary"])
 
 
 def by_name(figures):
@@ -14,7 +14,7 @@ def by_name(figures):
 
 
 def test_names_stand_on_the_axis_and_ordinates_are_of_one_scale():
-    high = Panel("high", "", "y", (Series("a", [1.0, 2.0], [5.0, 90.0]),), names=("one way", "or another"))
+    high = Panel("high", "", "y", (Series("a", [1.0, 2.0], [5.0, 90.0]),), abscissa_names=("one way", "or another"))
     low = Panel("low", "", "y", (Series("a", [1.0, 2.0], [1.0, 2.0]),))
     figure = Figure("f", "f", (high, low), same_y=True)
     first, second = draw_figure_and_canvas(figure)[1].axes

@@ -15,14 +15,14 @@ from tests.processes import python
 
 from rollbench.compare.commands.sweep import solve_and_report_sweep
 from rollbench.compare.errors import InputError
-from rollbench.compare.models.answers import compute_all_results, compute_axis_results
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.models.answers import compute_scene_results, compute_shaft_results
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue, scene_file
 from rollbench.compare.studies.sweep import run as sweeping
 from rollbench.compare.studies.sweep import sample
 from rollbench.compare.studies.sweep import sample as sampling
-from rollbench.compare.studies.sweep.run import make_sweep, summarise_sweep
+from rollbench.compare.studies.sweep.run import sweep_definition, sweep_summary_json
 from rollbench.lowfi.friction.whole.state import friction_state
 from rollbench.meshes.parts import SIDES, Load, Motion
 
@@ -35,10 +35,10 @@ from pathlib import Path
 from rollbench.compare.reference.jobs import Engine
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.sweep import run as sweeping, sample
-from rollbench.compare.studies.sweep.keys import read_vary
+from rollbench.compare.studies.sweep.keys import read_varied_keys
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
-text, vary = catalogue.shipped_scene_text({scene!r}), read_vary({vary!r})
+text, vary = catalogue.shipped_scene_text({scene!r}), read_varied_keys({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
@@ -48,7 +48,7 @@ killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
-        sweeping.solve_samples_of_sweep(what, folder, Engine(workers=workers), print)
+        sweeping.solve_missing_samples(what, folder, Engine(workers=workers), print)
         os._exit(0)
     until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
     while lines() < min(until, {samples}):
@@ -61,17 +61,17 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
-sweeping.solve_samples_of_sweep(what, folder, Engine(workers=workers), print)
+sweeping.solve_missing_samples(what, folder, Engine(workers=workers), print)
 """
 
 
 def what(samples=40, **other):
-    return make_sweep(SCENE, VARY, samples, other.get("method", "lhs"), other.get("seed", 1), "lin")
+    return sweep_definition(SCENE, VARY, samples, other.get("method", "lhs"), other.get("seed", 1), "lin")
 
 
 def run(folder, samples=40, engine=None, **other):
     said = []
-    return sweeping.solve_samples_of_sweep(what(samples, **other), folder, engine or Engine(), said.append), said
+    return sweeping.solve_missing_samples(what(samples, **other), folder, engine or ComputingSettings(), said.append), said
 
 
 def killed(folder, kills, workers, samples):
@@ -103,7 +103,7 @@ def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undi
     killed(tmp_path / "a", kills, workers, 200)
     numbers = sorted(record["sample"] for record in sample.stored_records(tmp_path / "a"))
     assert numbers == list(range(200))
-    assert sample.records_by_sample(tmp_path / "a") == undisturbed
+    assert sample.stored_records_by_sample(tmp_path / "a") == undisturbed
 
 
 def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_path, monkeypatch):
@@ -116,7 +116,7 @@ def test_what_is_stored_is_not_solved_again_but_torn_and_damaged_lines_are(tmp_p
     lines = path.read_bytes().splitlines(keepends=True)
     lines[3] = lines[3].replace(b"converged", b"convergeD")
     path.write_bytes(b"".join(lines)[:-7])
-    assert len(sample.records_by_sample(tmp_path / "a")) == 38
+    assert len(sample.stored_records_by_sample(tmp_path / "a")) == 38
     again, said = run(tmp_path / "a")
     assert (again, "2 to solve" in said[0]) == (first, True)
 
@@ -126,7 +126,7 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
     run(tmp_path / "a")
     for used, words in (
         (sample.reserve_sweep_folder, "a sweep that is running"),
-        (sample.hold_lock, "processes of an earlier run"),
+        (sample.hold_process_lock, "processes of an earlier run"),
     ):
         with used(tmp_path / "a"), pytest.raises(InputError, match=words):
             run(tmp_path / "a")
@@ -141,17 +141,17 @@ def test_a_folder_of_another_sweep_or_in_use_is_refused(tmp_path, monkeypatch):
 
 
 def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
-    sweep = make_sweep("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    found = sweeping.solve_samples_of_sweep(sweep, tmp_path / "a", Engine(), print)
+    sweep = sweep_definition("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
+    found = sweeping.solve_missing_samples(sweep, tmp_path / "a", ComputingSettings(), print)
     status = [found[n]["status"] for n in range(6)]
     assert (status[0], status[-1][:25]) == ("converged", "refused: lin-case1.toml: ")
     assert all(one.startswith(("converged", "refused")) for one in status)
-    assert solve_and_report_sweep(sweep, tmp_path / "a", Engine()).code == 0
+    assert solve_and_report_sweep(sweep, tmp_path / "a", ComputingSettings()).exit_code == 0
     lines = (tmp_path / "a" / "samples.csv").read_text().splitlines()
     assert (len(lines), "refused" in lines[-1]) == (7, True)
     text = json.loads((tmp_path / "a" / "summary.json").read_text())
     assert text["solved"] == 6 > text["converged"] > 0
-    failures = summarise_sweep(sweep, found)["failures"]
+    failures = sweep_summary_json(sweep, found)["failures"]
     assert 6 - text["converged"] > len(failures) >= 1
     assert sum(row["samples"] for row in failures) == 6 - text["converged"]
     assert (tmp_path / "a" / "sweep-effects.svg").exists()
@@ -159,11 +159,11 @@ def test_failures_are_rows_with_their_reason_and_one_failure_a_reason(tmp_path):
 
 @pytest.mark.parametrize("samples", [4, 40])
 def test_a_sweep_whose_first_samples_are_all_refused_for_one_reason_stops(tmp_path, samples):
-    sweep = make_sweep("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
+    sweep = sweep_definition("lin-case1", ["balls.radius=3.3 mm:3.4 mm"], samples, "lhs", 0, "lin")
     with pytest.raises(
         InputError, match=r"is refused for the same reason, the last one as follows: lin-case1\.toml: .*allowed"
     ):
-        sweeping.solve_samples_of_sweep(sweep, tmp_path / "a", Engine(), print)
+        sweeping.solve_missing_samples(sweep, tmp_path / "a", ComputingSettings(), print)
     assert not (tmp_path / "a").exists(), "the folder is free for the next one"
 
 
@@ -171,14 +171,14 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
     text = catalogue.shipped_scene_text("lin-case3")
     found = sampling.solve_sample(text, "lin-case3.toml", (), (), "lin", "interpreted")
     scene = scene_file.scene_from_text(text, "lin-case3.toml")
-    options = Options(discretisation=False)
+    options = ModelOptions(estimate_beam_mesh_error=False)
     result = run_model(scene, "lin", options)
-    answers = compute_all_results(scene, result, "lin", options)
-    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.unequal, rel=1e-9)
+    answers = compute_scene_results(scene, result, "lin", options)
+    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.rigidities.with_unequal_loads, rel=1e-9)
     assert found["preload_N"] == pytest.approx(answers.preload.axial, rel=1e-9)
-    assert found["life_million_revolutions"] == pytest.approx(answers.loads.life.revolutions, rel=1e-9)
+    assert found["life_million_revolutions"] == pytest.approx(answers.load_results.life.revolutions, rel=1e-9)
     state = friction_state(scene, result, scene.friction, Motion(tau))
-    assert found["torque_Nmm"] == pytest.approx(1e3 * state.torque.friction, rel=1e-6)
+    assert found["torque_Nmm"] == pytest.approx(1e3 * state.friction_sums.friction_torque, rel=1e-6)
     bare = sampling.solve_sample(catalogue.shipped_scene_text("two-balls"), "two-balls.toml", (), (), "lin", "interpreted")
     assert bare["torque_Nmm"] is None, "no coefficient in the scene"
 
@@ -191,10 +191,12 @@ def test_rigidity_preload_torque_life_and_mean_load_are_those_of_solve_and_frict
 def test_several_sets_have_the_same_outputs():
     found = sampling.solve_sample(catalogue.shipped_scene_text("double-nut"), "double-nut.toml", (), (), "lin", "compiled")
     assembly = scene_file.parse_scene(catalogue.shipped_scene_text("double-nut"), "double-nut.toml")
-    answers = compute_axis_results(assembly, run_model(assembly, "lin"))
-    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.force / answers.displacement, rel=1e-6)
-    assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.sets), rel=1e-6)
-    assert found["life_million_revolutions"] == pytest.approx(min(s.loads.life.revolutions for s in answers.sets), rel=1e-6)
+    answers = compute_shaft_results(assembly, run_model(assembly, "lin"))
+    assert found["rigidity_N_per_um"] == pytest.approx(1e-6 * answers.axial_load / answers.displacement, rel=1e-6)
+    assert found["preload_N"] == pytest.approx(max(abs(s.preload.axial) for s in answers.set_results), rel=1e-6)
+    assert found["life_million_revolutions"] == pytest.approx(
+        min(s.load_results.life.revolutions for s in answers.set_results), rel=1e-6
+    )
     assert found["torque_Nmm"] > 0.0
 
 
@@ -216,17 +218,19 @@ GOOD = "track.lead=10 mm:20 mm"
 def test_what_the_scene_or_the_program_does_not_have_is_refused_before_anything_is_solved(tmp_path, vary):
     model, words = ("no such", "model: got") if vary == GOOD else ("lin", None)
     with pytest.raises(InputError, match=words):
-        sweeping.solve_samples_of_sweep(
-            make_sweep("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", Engine(), print
+        sweeping.solve_missing_samples(
+            sweep_definition("lin-case1", [vary], 6, "lhs", 0, model), tmp_path / "a", ComputingSettings(), print
         )
     assert not (tmp_path / "a").exists()
 
 
 def test_a_sample_is_the_solution_of_its_scene():
-    sweep = make_sweep("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
+    sweep = sweep_definition(
+        "lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin"
+    )
     found = sampling.solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
-    result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", Options(discretisation=False))
+    result = run_model(scene_file.scene_from_text(text, "x.toml"), "lin", ModelOptions(estimate_beam_mesh_error=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)
     assert found["loaded_contacts"] == (result.load > 0.0).sum()
     assert found["displacement_um"] == pytest.approx(1e6 * result.centreline[0, 2], rel=1e-12)
@@ -255,21 +259,21 @@ def test_outputs_that_are_not_asked_for_are_not_computed(tmp_path, monkeypatch):
         solved.append(arguments)
         return run_model(*arguments)
 
-    some = make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
+    some = sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["life_million_revolutions", "displacement_um"])
     with monkeypatch.context() as patch:
         patch.setattr(sampling, "run_model", counted)
-        patch.setattr(sample, "solve_scaled", None)  # the unloaded solution is of rigidity and preload
-        found = sweeping.solve_samples_of_sweep(some, tmp_path / "some", Engine(), lambda _: None)
+        patch.setattr(sample, "solve_with_scaled_loads", None)  # the unloaded solution is of rigidity and preload
+        found = sweeping.solve_missing_samples(some, tmp_path / "some", ComputingSettings(), lambda _: None)
     assert len(solved) == 4 + 1  # one of the first is tried before
     kept = ("largest_load_N", "displacement_um", "life_million_revolutions", "at", "sample", "status", "values")
     assert found == {n: {name: every[n][name] for name in kept} for n in range(4)}
-    assert solve_and_report_sweep(some, tmp_path / "some", Engine()).data["outputs"].keys() == {*kept[:3]}
+    assert solve_and_report_sweep(some, tmp_path / "some", ComputingSettings()).data["outputs"].keys() == {*kept[:3]}
     assert (tmp_path / "some" / "samples.csv").read_text().splitlines()[0].endswith(",".join(("status", *kept[:4])))
     with pytest.raises(InputError, match="another sweep"):
         run(tmp_path / "some", 4)
     with pytest.raises(InputError, match="outputs: got loads; allowed: largest_load_N"):
-        sweeping.solve_samples_of_sweep(
-            make_sweep(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", Engine(), print
+        sweeping.solve_missing_samples(
+            sweep_definition(SCENE, VARY, 4, "lhs", 1, "lin", ["loads"]), tmp_path / "c", ComputingSettings(), print
         )
 
 
@@ -289,9 +293,9 @@ def test_growth_is_each_sets_largest_load_over_that_of_the_first_case():
     text = f"{head}[friction]{rest}\n[[cases]]{one}\n[[cases]]{more}"
     wanted = ["largest_growth", "least_growth"]
     found = sampling.solve_sample(text, "my.toml", (), (), "lin", "compiled", wanted)
-    scene = catalogue.any_scene("double-nut")
+    scene = catalogue.scene_of_any_kind("double-nut")
     low, high = (
-        [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", Options()).sets]
+        [s.loads.max() for s in run_model(replace(scene, loads=(Load(0.0, (0.0, 0.0, f)),)), "lin", ModelOptions()).sets]
         for f in (2e3, 5e3)
     )
     ratios = [max(a, b) / a for a, b in zip(low, high, strict=True)]

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 
 from rollbench.compare.studies.sweep import keys, run, sample
-from rollbench.compare.studies.sweep.run import main_effects, output_statistics, sobol_indices_by_output, summarise_sweep
+from rollbench.compare.studies.sweep.run import main_effects, output_statistics, sobol_indices_by_output, sweep_summary_json
 from rollbench.compare.studies.sweep.sample import MAIN
 
-KEYS = keys.read_vary([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
+KEYS = keys.read_varied_keys([f"{name}={-np.pi!r}:{np.pi!r}" for name in "abc"])
 NAMES = tuple(sample.OUTPUTS)
 
 
 def records(sweep, function):
     out = {}
     for n, place in enumerate(sweep.coordinates()):
-        x = [vary.value_at_coordinate(u) for vary, u in zip(KEYS, place, strict=True)]
+        x = [vary.value_at_relative_position(u) for vary, u in zip(KEYS, place, strict=True)]
         out[n] = {"sample": n, "values": x, "status": "converged", "at": "1 SL", **dict.fromkeys(NAMES, 1.0)}
         out[n][MAIN] = function(*x)
     return out
@@ -23,7 +23,7 @@ def ishigami(a, b, c):
 
 
 def sweep(samples, method="sobol"):
-    return run.Sweep("", "x.toml", KEYS, samples, method, 3, "lin")
+    return run.SweepDefinition("", "x.toml", KEYS, samples, method, 3, "lin")
 
 
 def test_indices_of_ishigami_lie_in_their_intervals():
@@ -46,10 +46,10 @@ def test_indices_of_ishigami_lie_in_their_intervals():
 
 
 def test_a_single_key_has_all_of_the_variance():
-    what = run.Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
+    what = run.SweepDefinition("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
     samples = {n: row for n, row in records(sweep(640), ishigami).items() if n < 192}
     for n, place in enumerate(what.coordinates()):
-        samples[n][MAIN] = KEYS[0].value_at_coordinate(place[0]) ** 3
+        samples[n][MAIN] = KEYS[0].value_at_relative_position(place[0]) ** 3
     (name, found), *others = sobol_indices_by_output(what, samples)["outputs"][MAIN].items()
     assert (name, others) == ("a", [])
     assert (found["first"], found["total"]) == pytest.approx((1.0, 1.0), abs=0.1)
@@ -62,7 +62,7 @@ def test_indices_are_the_same_every_time_and_leave_out_base_points_with_a_failed
     samples[128 + 5] = {"sample": 133, "values": samples[133]["values"], "status": "refused: x"}
     found = sobol_indices_by_output(what, samples)
     assert (found["base_points"], found["of"]) == (64, 128)
-    text = summarise_sweep(what, samples)
+    text = sweep_summary_json(what, samples)
     assert (text["solved"], text["converged"]) == (640, 639)
     assert text["failures"] == [{"reason": "refused: x", "samples": 1}]
 
@@ -71,7 +71,7 @@ def test_other_designs_say_that_they_give_no_indices_and_worst_samples_come_firs
     what = sweep(50, "lhs")
     samples = records(what, ishigami)
     assert "sobol" in sobol_indices_by_output(what, samples)["none"]
-    worst = summarise_sweep(what, samples)["worst"]
+    worst = sweep_summary_json(what, samples)["worst"]
     assert len(worst) == 10
     assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in samples.values()), reverse=True)[:10]
 

@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rollbench.compare.cases.lin.reconstruction import readings as combined
-from rollbench.compare.evidence import Findings, count_text_of_mask
+from rollbench.compare.evidence import ComputedEntryValues, count_text_of_mask
 from rollbench.compare.measure import LoadError, error_percent, load_error
 from rollbench.compare.models.comparison import PRINTED
-from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
-from rollbench.compare.studies.members.ensemble import ensemble_of_study
-from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
+from rollbench.compare.studies.members.ensemble import cached_random_draws_of_scene
+from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.arrays import Array
-from rollbench.meshes.errors import draw_specimen
+from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.helix import ball_layout
 from rollbench.meshes.parts import SIDES, Errors, Scene, SideErrors, Support
-from rollbench.meshes.section import groove_section, nodes_of_whole_beam
+from rollbench.meshes.section import nodes_of_whole_beam, screw_groove_section
 from rollbench.meshes.surface import principal_curvatures
 
 #: Conformity with which Table B.1 was computed (that of Table 3.6), instead of Table 2.1's groove radius.
@@ -34,9 +34,9 @@ def exact_hertz_parameters(scene: Scene) -> dict[str, dict[str, float]]:
     parameters, such as "C_a". ``scene``: the ball screw; its geometric errors are ignored.
     """
     bare = replace(scene, errors=Errors())
-    drawn = draw_specimen(bare, ball_layout(bare))
+    drawn = draw_geometry_with_errors(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    constants = error_free_hertz(bare)
+    constants = hertz_without_errors(bare)
     out = {}
     for letter, side in (("S", 0), ("N", 3)):
         across, along = principal_curvatures(bare, drawn, side, gamma)[0]
@@ -72,7 +72,7 @@ QUANTITIES = {
 SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 
 
-def correct_table_b_1(scene: Scene) -> dict[str, float]:
+def correct_values_of_table_b_1(scene: Scene) -> dict[str, float]:
     """Return the correct values of Lin's Table B.1 for the groove radius of the scene, by key of the printed numbers.
 
     The values have the units of the table.
@@ -82,63 +82,63 @@ def correct_table_b_1(scene: Scene) -> dict[str, float]:
     return {key: unit * right[letter][SWAPPED.get(key, name)] for key, letter, name, unit in keys}
 
 
-def table_b_1(findings: Findings, study: Study) -> None:
+def table_b_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the Hertz parameters of Table B.1 of Lin's thesis, with his faults and without them.
 
     ``findings``: receives two values to compare with each printed number. One is computed as Lin did, with a conformity of
-    0.56 and the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``study``:
+    0.56 and the thesis's faults; the other is correct and has the groove of Table 2.1, which the text names. ``cache``:
     gives the scenes included with rollbench.
     """
-    scene = study.scene("lin-case1")
+    scene = cache.built_in_scene("lin-case1")
     right, faulty = (
-        correct_table_b_1(scene),
-        dict(zip("SN", printed_sides(with_conformity(scene, TABLE_CONFORMITY)), strict=True)),
+        correct_values_of_table_b_1(scene),
+        dict(zip("SN", misprinted_hertz_of_flanks(with_conformity(scene, TABLE_CONFORMITY)), strict=True)),
     )
     for letter, printed in faulty.items():
         for start, (attribute, _, unit) in QUANTITIES.items():
             key = f"{start}{letter}"
-            findings.number(key, right[key], as_printed=unit * getattr(printed, attribute))
-    findings.number("F_1", None, as_printed=faulty["S"].F_1)
+            findings.add_number(key, right[key], as_printed=unit * getattr(printed, attribute))
+    findings.add_number("F_1", None, as_printed=faulty["S"].F_1)
 
 
 # --- section 2.4.1, case studies 1, 2 and 3: printed numbers and claims, with the errors against ANSYS
 
 
-def table_2_1(findings: Findings, study: Study) -> None:
+def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Record the inputs of Table 2.1 and section 2.4.1 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value to compare with each printed number, in the printed unit; ``study``: gives the scenes
+    ``findings``: receives the value to compare with each printed number, in the printed unit; ``cache``: gives the scenes
     included with rollbench.
     """
-    scene, preloaded, offset = (study.scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
+    scene, preloaded, offset = (cache.built_in_scene(name) for name in ("lin-case1", "lin-case3", "lin-case3-offset"))
     track, nut, steel = scene.track, scene.nut, scene.screw.material
     mm = {"length": scene.screw.length, "R_P": track.pitch_radius, "lead": track.lead, "R_B": scene.balls.radius}
     mm |= {"r_G": scene.screw.groove_radius, "nut_diameter": nut.outer_diameter, "nut_length": nut.length}
     findings.numbers({key: 1e3 * value for key, value in mm.items()})
     findings.numbers({"balls": scene.ball_count, "beta": np.degrees(track.contact_angle), "nu": steel.poissons_ratio})
     findings.numbers({"force": scene.loads[0].force[2], "oversize": 1e6 * preloaded.errors.balls.oversize})
-    findings.number("oversize_17", 1e6 * dict(study.scene("lin-case2").errors.balls.listed)[17])
-    findings.number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
+    findings.add_number("oversize_17", 1e6 * dict(cache.built_in_scene("lin-case2").errors.balls.listed)[17])
+    findings.add_number("offset", 1e6 * dict(offset.supports[-1].fixed)["ux"])
     young = steel.youngs_modulus
-    findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+    findings.add_number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def beam_element_count_of_lin_partition(study: Study) -> int:
+def beam_element_count_of_lin_partition(cache: SceneResultCache) -> int:
     """Return the number of beam elements of Lin's screw model: 12 + 12 outside the nut, 3 of 15 mm each inside it.
 
-    ``study``: gives the scenes included with rollbench.
+    ``cache``: gives the scenes included with rollbench.
     """
-    return nodes_of_whole_beam(study.changed("lin-case1", partition="source")).size - 1
+    return nodes_of_whole_beam(cache.scene_with_options("lin-case1", partition="source")).size - 1
 
 
-def table_2_2(findings: Findings, study: Study) -> None:
+def table_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the number of beam elements in Table 2.2 of Lin's thesis.
 
-    ``findings``: receives this number; ``study``: gives the scenes included with rollbench.
+    ``findings``: receives this number; ``cache``: gives the scenes included with rollbench.
     """
-    findings.number(
+    findings.add_number(
         "elements_proposed",
-        float(beam_element_count_of_lin_partition(study)),
+        float(beam_element_count_of_lin_partition(cache)),
         "12 outside + 3 of 15 mm inside + 12 outside",
     )
 
@@ -148,24 +148,24 @@ class EndSupport:
     """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
     ``label``: restrained freedoms in words; ``plain``, ``offset``: names of the scenes without and with a lateral offset
-    of the right end; ``of_text``: whether Lin's text states this support.
+    of the right end; ``is_stated_by_text``: whether Lin's text states this support.
     """
 
-    label: str
-    plain: str
-    offset: str
-    of_text: bool = False
+    restraint_in_words: str
+    scene_without_offset: str
+    scene_with_offset: str
+    is_stated_by_text: bool = False
 
 
 #: Interpretations of the right end's support; the 3D reference has the first one.
 END_SUPPORTS = (
     EndSupport("ux and uy held", "lin-case3", "lin-case3-offset"),
     EndSupport("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
-    EndSupport("only ux held", "lin-case3-ux", "lin-case3-offset-ux", of_text=True),
+    EndSupport("only ux held", "lin-case3-ux", "lin-case3-offset-ux", is_stated_by_text=True),
 )
 
 
-CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.plain, r.offset)))
+CASES = ("lin-case1", "lin-case2", *(name for r in END_SUPPORTS for name in (r.scene_without_offset, r.scene_with_offset)))
 
 
 def largest_over_smallest_load(load: Array) -> float:
@@ -184,112 +184,114 @@ def is_two_point_contact(load: Array) -> bool:
     return bool(np.all(load[:, [0, 3]] > 0.0) and not np.any(load[:, [1, 2]] > 0.0))
 
 
-def load_ratio_range_in_words(study: Study) -> str:
+def load_ratio_range_in_words(cache: SceneResultCache) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
     These are the partition of the beam into elements, and whether equation C.8 for the beam's section is read with a square
-    root. ``study``: gives the solved scenes.
+    root. ``cache``: gives the solved scenes.
     """
     variants = [
-        study.changed("lin-case1", partition=p, section=s)
+        cache.scene_with_options("lin-case1", partition=p, section=s)
         for p in ("nodal", "source")
         for s in ("groove", "groove squared")
     ]
-    ratios = [largest_over_smallest_load(study.solve(v).load[:, 0]) for v in variants]
+    ratios = [largest_over_smallest_load(cache.solve_once(v).load[:, 0]) for v in variants]
     return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
 
 
-def section_2_4_1(findings: Findings, study: Study) -> None:
+def section_2_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Recompute the numbers printed in section 2.4.1 of Lin's thesis, and check the claims made there.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
-    _compute_case_1(study, findings)
-    _compute_case_2(study, findings)
-    _compute_case_3(study, findings)
-    _compare_with_ansys(study, findings)
-    findings.number("elements", printed_value("lin-2.2", "elements_proposed"))
+    _compute_case_1(cache, findings)
+    _compute_case_2(cache, findings)
+    _compute_case_3(cache, findings)
+    _compare_with_ansys(cache, findings)
+    findings.add_number("elements", printed_value("lin-2.2", "elements_proposed"))
     times = {k: printed_value("lin-2.2", k) for k in ("time_ansys_1", "time_proposed_1")}
-    findings.number(
+    findings.add_number(
         "speed_ratio",
         times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
         "arithmetic of Table 2.2, case 1; run times of this project stand in table lin-2.2-times",
     )
 
 
-def _compute_case_1(study: Study, findings: Findings) -> None:
+def _compute_case_1(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Compute largest over smallest load of Lin's case study 1; check two-point contact and lateral displacement.
 
-    ``study``: gives solved scenes and stored 3D references; ``findings``: receives the results.
+    ``cache``: gives solved scenes and stored 3D references; ``findings``: receives the results.
     """
-    load, line = study.solve("lin-case1").load, study.solve("lin-case1").centreline
-    mei = study.solve("lin-case1", "mei").load[:, 0]
+    load, line = cache.solve_once("lin-case1").load, cache.solve_once("lin-case1").centreline
+    mei = cache.solve_once("lin-case1", "mei").load[:, 0]
     lateral = 1e6 * float(np.hypot(line[:, 0], line[:, 1]).max())
-    run = study.reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
+    run = cache.stored_reference("lin-case1")  # without errors of the grooves, as the case: the one number that it can say
     in_3d, p = (
         None if run is None else largest_over_smallest_load(run.load[:, 0]),
         printed_entry("lin-2.4.1", "case1_ratio"),
     )
-    words = f"Low-order: {load_ratio_range_in_words(study)}"
+    words = f"Low-order: {load_ratio_range_in_words(cache)}"
     if in_3d is not None:
         side = "within" if (p.low or 0.0) <= in_3d <= (p.high or 0.0) else "outside"
         off = float(error_percent(in_3d, p.value or 0.0))
         words += f". The sentence is on ANSYS too: our 3D reference, {in_3d:.4f}, is {side} the band ({off:+.1f} %)"
-    findings.number("case1_ratio", largest_over_smallest_load(load[:, 0]), words, reference=in_3d)
+    findings.add_number("case1_ratio", largest_over_smallest_load(load[:, 0]), words, reference=in_3d)
     falling = f"{mei[0]:.1f} N at ball 1 falling at every ball to {mei[-1]:.1f} N at ball 32"
-    findings.claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
-    findings.claim(
+    findings.add_claim("case1_mei", bool(np.all(np.diff(mei) < 0.0)), falling)
+    findings.add_claim(
         "case1_two_point",
         is_two_point_contact(load),
         f"SL {count_text_of_mask(load[:, 0] > 0)} loaded, SR {count_text_of_mask(load[:, 1] > 0)}",
     )
     words = f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model"
-    findings.claim("case1_lateral", lateral > 0.1, words)
+    findings.add_claim("case1_lateral", lateral > 0.1, words)
 
 
-def _compute_case_2(study: Study, findings: Findings) -> None:
+def _compute_case_2(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Check the claim that in Lin's case study 2 the oversize ball 17 changes its own load only.
 
-    ``study``: gives the solved scenes; ``findings``: receives the results.
+    ``cache``: gives the solved scenes; ``findings``: receives the results.
     """
-    case1, case2 = (study.solve(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
+    case1, case2 = (cache.solve_once(name).load[:, 0] for name in ("lin-case1", "lin-case2"))
     change = error_percent(case2, case1, float(case1.mean()))
     most = float(np.abs(np.delete(change, 16)).max())
     words = f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within {most:.2f} %"
-    findings.claim("case2_ball17", bool(change[16] > 5.0 * most), words)
+    findings.add_claim("case2_ball17", bool(change[16] > 5.0 * most), words)
 
 
-def _compute_case_3(study: Study, findings: Findings) -> None:
+def _compute_case_3(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Check Lin's claims on four-point contact and on the last balls in his case study 3.
 
     In this case study the right end of the screw is displaced laterally, and the loads of the last balls rise most.
-    ``study``: gives the solved scenes. ``findings``: receives the results.
+    ``cache``: gives the solved scenes. ``findings``: receives the results.
     """
-    smallest = [float(study.solve(name).load.min()) for name in CASES[2:]]
+    smallest = [float(cache.solve_once(name).load.min()) for name in CASES[2:]]
     words = f"smallest load of any contact in all readings {min(smallest):.1f} N"
-    findings.claim("case3_four_point", min(smallest) > 0.0, words)
-    rise = [study.solve(r.offset).load - study.solve(r.plain).load for r in END_SUPPORTS]
+    findings.add_claim("case3_four_point", min(smallest) > 0.0, words)
+    rise = [
+        cache.solve_once(r.scene_with_offset).load - cache.solve_once(r.scene_without_offset).load for r in END_SUPPORTS
+    ]
     last = [int(np.argsort(x[:, 1] + x[:, 2])[-3:].min()) + 1 for x in rise]
-    places = ", ".join(f"{ball} and up ({r.label})" for ball, r in zip(last, END_SUPPORTS, strict=True))
-    findings.claim(
+    places = ", ".join(f"{ball} and up ({r.restraint_in_words})" for ball, r in zip(last, END_SUPPORTS, strict=True))
+    findings.add_claim(
         "case3_last_balls", all(x >= 30 for x in last), f"the three largest rises of SR + NL are at balls {places}"
     )
 
 
-def _compare_with_ansys(study: Study, findings: Findings) -> None:
+def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Compute the errors of Lin's model against the 3D reference, to compare with those that he prints against ANSYS.
 
-    The loads by ANSYS are not printed. ``findings``: receives the results; ``study``: gives solved scenes and stored 3D
+    The loads by ANSYS are not printed. ``findings``: receives the results; ``cache``: gives solved scenes and stored 3D
     references.
     """
-    every = [c.errors["own"] for c in study.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
+    every = [c.errors_percent["own"] for c in cache.compute_once(combined.evaluate_combinations) if not c.contradicts_text]
     readings = dict(zip(combined.ERRORS, zip(*every, strict=True), strict=True))
     for name, (largest, rms, _) in PRINTED.items():
-        found = study.reference(name)
+        found = cache.stored_reference(name)
         if found is None:
             continue
-        e = load_error(study.solve(name).load, found.load, found.contacts)
+        e = load_error(cache.solve_once(name).load, found.load, found.contacts)
         for key, error, mean in ((largest, e.own_max_percent, e.max_percent), (rms, e.own_rms_percent, e.rms_percent)):
             words = (
                 "computed here: the source's model against this project's 3D reference, in per cent of each load "
@@ -297,59 +299,63 @@ def _compare_with_ansys(study: Study, findings: Findings) -> None:
             )
             values = readings[key]
             others = f"{len(values)} combinations of readings of what the text leaves open give {min(values):.2f} to "
-            findings.number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
+            findings.add_number(key, error, f"{words}; {others}{max(values):.2f} % (section reconstruction)")
 
 
 # --- case study 1 under the choices that the thesis leaves open, and under its faults
 
 
 @dataclass(frozen=True)
-class ModelChoice:
+class Case1WithModelChoice:
     """Contact loads of Lin's case study 1 under one modelling choice, compared with those of the default model.
 
     ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from the loads
     with all choices by default.
     """
 
-    label: str
-    result: StaticResult
-    change: LoadError
+    choice_in_words: str
+    solution: StaticResult
+    load_change: LoadError
 
 
-def case_1_by_choice(study: Study) -> list[ModelChoice]:
+def solve_case_1_by_model_choice(cache: SceneResultCache) -> list[Case1WithModelChoice]:
     """Solve Lin's case study 1 under each modelling choice that his thesis leaves open, and with each of its faults.
 
-    The first entry has all choices by default. ``study``: gives the solved scenes.
+    The first entry has all choices by default. ``cache``: gives the solved scenes.
     """
-    base = study.solve("lin-case1")
-    case = study.scene("lin-case1")
+    base = cache.solve_once("lin-case1")
+    case = cache.built_in_scene("lin-case1")
     small = with_conformity(case, TABLE_CONFORMITY)
     variants: Sequence[tuple[str, Scene, str]] = (
         ("default: node at every contact, C.8 with its root, right Hertz constants", case, "lin"),
-        ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
-        ("C.8 read without the root", study.changed("lin-case1", section="groove squared"), "lin"),
-        ("groove ignored in the beam's section", study.changed("lin-case1", section="full"), "lin"),
+        ("partition of the source (15 mm in the nut)", cache.scene_with_options("lin-case1", partition="source"), "lin"),
+        ("C.8 read without the root", cache.scene_with_options("lin-case1", section="groove squared"), "lin"),
+        ("groove ignored in the beam's section", cache.scene_with_options("lin-case1", section="full"), "lin"),
         (
             "source's partition and C.8 without the root",
-            study.changed("lin-case1", partition="source", section="groove squared"),
+            cache.scene_with_options("lin-case1", partition="source", section="groove squared"),
             "lin",
         ),
-        ("Hertz constants as printed (faults of Table B.1)", study.changed("lin-case1", hertz="as printed"), "lin"),
+        (
+            "Hertz constants as printed (faults of Table B.1)",
+            cache.scene_with_options("lin-case1", hertz="as printed"),
+            "lin",
+        ),
         ("groove radius 0.56 x diameter, right Hertz constants", small, "lin"),
         (
             "groove radius 0.56 x diameter, as printed (Table B.1 itself)",
             replace(small, ingredients=replace(small.ingredients, hertz="as printed")),
             "lin",
         ),
-        ("Hertz constants at each contact's actual geometry", study.changed("lin-case1", hertz="actual"), "lin"),
-        ("lever arm frozen at the nominal contact point", study.changed("lin-case1", arm="nominal"), "lin"),
-        ("force enters the beam at the ball's station", study.changed("lin-case1", arm="ball"), "lin"),
+        ("Hertz constants at each contact's actual geometry", cache.scene_with_options("lin-case1", hertz="actual"), "lin"),
+        ("lever arm frozen at the nominal contact point", cache.scene_with_options("lin-case1", arm="nominal"), "lin"),
+        ("force enters the beam at the ball's station", cache.scene_with_options("lin-case1", arm="ball"), "lin"),
         ("source's own equations (lever arm and station follow the contact angle)", case, "source"),
         ("axial bars only, rigid nut (Mei)", case, "mei"),
         ("axial bars only, nut an elastic bar (Mei)", case, "mei-nut"),
     )
-    found = [(label, study.solve(scene, model)) for label, scene, model in variants]
-    return [ModelChoice(label, result, load_error(result.load, base.load)) for label, result in found]
+    found = [(label, cache.solve_once(scene, model)) for label, scene, model in variants]
+    return [Case1WithModelChoice(label, result, load_error(result.load, base.load)) for label, result in found]
 
 
 # --- section 2.4.2, geometric errors: printed numbers and claims; those on random errors need randomly drawn screws
@@ -362,67 +368,67 @@ SIGNIFICANT = 2.0 * 5.38
 SEEN = 0.05
 
 
-def section_2_4_2(findings: Findings, study: Study) -> None:
+def section_2_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Recompute the numbers printed in section 2.4.2 of Lin's thesis, and check its claims on geometric errors.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
-    Claims on random errors stay open if ``study`` draws no random screws.
+    Claims on random errors stay open if ``cache`` draws no random screws.
     """
-    groove = groove_section(study.scene("lin-case1"))
-    findings.number("gamma_low", groove.gamma_1 / np.pi, "Lin C.5")
-    findings.number("gamma_high", groove.gamma_2 / np.pi, "Lin C.5")
-    _record_error_amplitudes(study, findings)
-    _check_single_error_claims(study, findings)
-    if study.members != 0:
-        _check_random_error_claims(study, findings)
+    groove = screw_groove_section(cache.built_in_scene("lin-case1"))
+    findings.add_number("gamma_low", groove.apex_angle / np.pi, "Lin C.5")
+    findings.add_number("gamma_high", groove.edge_angle / np.pi, "Lin C.5")
+    _record_error_amplitudes(cache, findings)
+    _check_single_error_claims(cache, findings)
+    if cache.random_draw_count != 0:
+        _check_random_error_claims(cache, findings)
 
 
-def _record_error_amplitudes(study: Study, findings: Findings) -> None:
+def _record_error_amplitudes(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Record the amplitudes of the geometric errors that Lin prints, as the scenes contain them.
 
-    ``study``: gives the scenes included with rollbench; ``findings``: receives the amplitudes, in the printed units.
+    ``cache``: gives the scenes included with rollbench; ``findings``: receives the amplitudes, in the printed units.
     """
-    profile, pitch = (study.scene(name).errors for name in ("lin-profile", "lin-pitch"))
+    profile, pitch = (cache.built_in_scene(name).errors for name in ("lin-profile", "lin-pitch"))
     for side in SIDES:
         findings.numbers({f"profile_{side}_{k}": 1e6 * c for k, c in enumerate(profile.side(side).profile)})
-        findings.number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
-    findings.number("random_sigma", 1e6 * study.scene("lin-random").errors.balls.sigma)
+        findings.add_number(f"pitch_{side}", 1e6 * pitch.side(side).pitch[0].sin)
+    findings.add_number("random_sigma", 1e6 * cache.built_in_scene("lin-random").errors.balls.sigma)
 
 
-def _check_single_error_claims(study: Study, findings: Findings) -> None:
+def _check_single_error_claims(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Check Lin's claims on contact loads with profile errors only and with pitch errors only.
 
-    ``study``: gives the solved scenes; ``findings``: receives the results.
+    ``cache``: gives the solved scenes; ``findings``: receives the results.
     """
-    base, profile, pitch = (study.solve(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
+    base, profile, pitch = (cache.solve_once(name).load for name in ("lin-case1", "lin-profile", "lin-pitch"))
     for name, load in (("profile", profile), ("pitch", pitch)):
         words = f"SL {count_text_of_mask(load[:, 0] > 0)}, SR {count_text_of_mask(load[:, 1] > 0)} loaded"
-        findings.claim(f"{name}_two_point", is_two_point_contact(load), words)
+        findings.add_claim(f"{name}_two_point", is_two_point_contact(load), words)
     little, much = load_error(profile, base), load_error(pitch, base)
-    findings.claim(
+    findings.add_claim(
         "profile_little",
         little.max_percent < SIGNIFICANT,
         f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)",
     )
-    findings.claim(
+    findings.add_claim(
         "pitch_much",
         much.max_percent > SIGNIFICANT,
         f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}",
     )
 
 
-def _check_random_error_claims(study: Study, findings: Findings) -> None:
+def _check_random_error_claims(cache: SceneResultCache, findings: ComputedEntryValues) -> None:
     """Check Lin's claims on contact loads with random ball errors, on many randomly drawn screws.
 
-    ``study``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
+    ``cache``: gives the solved scenes and the randomly drawn screws; ``findings``: receives the results.
     """
-    base = study.solve("lin-case1").load
-    random, combined = (ensemble_of_study(study, name).loads for name in ("lin-random", "lin-combined"))
+    base = cache.solve_once("lin-case1").load
+    random, combined = (cached_random_draws_of_scene(cache, name).loads for name in ("lin-random", "lin-combined"))
     kept = np.array([is_two_point_contact(load) for load in random])
-    findings.claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_text_of_mask(kept)} drawn screws")
+    findings.add_claim("random_two_point", bool(kept.mean() > SEEN), f"holds in {count_text_of_mask(kept)} drawn screws")
     changed = np.array([load_error(load, base).max_percent for load in random])
     low, high = np.percentile(changed, [5, 95])
-    findings.claim(
+    findings.add_claim(
         "random_much",
         bool((changed > SIGNIFICANT).mean() > SEEN),
         f"largest change {low:.0f} to {high:.0f} % of the mean load in nine of ten drawn screws; significant in "
@@ -430,7 +436,7 @@ def _check_random_error_claims(study: Study, findings: Findings) -> None:
     )
     four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined])
     words = f"some ball carries on SR or NL in {count_text_of_mask(four)} drawn screws"
-    findings.claim("combined_four_point", bool(four.mean() > SEEN), words)
+    findings.add_claim("combined_four_point", bool(four.mean() > SEEN), words)
 
 
 SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
@@ -438,12 +444,12 @@ SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
 CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
-def relative_load_deviation(result: StaticResult) -> float:
+def relative_standard_deviation_of_loads(result: StaticResult) -> float:
     """Return the standard deviation of the contact loads on flank SL, divided by their mean."""
     return float(result.load[:, 0].std() / result.load[:, 0].mean())
 
 
-def unloaded_ball_mask(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def balls_without_load(result: StaticResult) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return for each ball of a static solution whether it carries no load, (n,) for n balls."""
     return np.asarray(result.load.sum(axis=1) == 0.0)
 
@@ -464,7 +470,7 @@ def dominant_harmonic_of_unloaded_balls(
     return int(power.argmax()) + 1, float(power.max() / power.sum())
 
 
-def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
+def scenes_with_unprinted_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
     """Return copies of a scene with other supports, errors and clearances, which Lin does not print, each with a label."""
     rotation = (Support(0.0, (("rz", 0.0),)),)
     lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
@@ -481,46 +487,46 @@ def scenes_with_open_inputs_varied(scene: Scene) -> list[tuple[str, Scene]]:
     return out
 
 
-def section_4_3_2(findings: Findings, study: Study) -> None:
+def section_4_3_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Recompute the numbers printed in section 4.3.2 of Lin's thesis, and check its claims on manufacturing errors.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
-    pitch, roundness = study.scene("lin-pitch-4p1"), study.scene("lin-roundness-4p1")
-    findings.number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
-    findings.number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
-    findings.number("force", pitch.loads[0].force[2], "key of the scene")
+    pitch, roundness = cache.built_in_scene("lin-pitch-4p1"), cache.built_in_scene("lin-roundness-4p1")
+    findings.add_number("e_p", 1e6 * pitch.errors.SL.pitch[0].sin, "key of the scene")
+    findings.add_number("e_R", 1e6 * roundness.errors.SL.roundness[0].sin, "key of the scene")
+    findings.add_number("force", pitch.loads[0].force[2], "key of the scene")
     for screw in SCREWS:
-        _check_manufacturing_error_claims(study, findings, screw)
+        _check_manufacturing_error_claims(cache, findings, screw)
 
 
-def _check_manufacturing_error_claims(study: Study, findings: Findings, screw: str) -> None:
+def _check_manufacturing_error_claims(cache: SceneResultCache, findings: ComputedEntryValues, screw: str) -> None:
     """Check the claims of section 4.3.2 of Lin's thesis on pitch and on roundness errors, for one screw.
 
-    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``study``: gives the
+    The claims are on two-point contact, uneven loads and unloaded balls; ``screw``: key of `SCREWS`. ``cache``: gives the
     solved scenes. ``findings``: receives the results.
     """
-    pitch, roundness = study.solve(f"lin-pitch-{screw}"), study.solve(f"lin-roundness-{screw}")
+    pitch, roundness = cache.solve_once(f"lin-pitch-{screw}"), cache.solve_once(f"lin-roundness-{screw}")
     third = [float(r.load[:, [1, 2]].max()) for r in (pitch, roundness)]
-    findings.claim(
+    findings.add_claim(
         f"two_point_{screw}",
         max(third) == 0.0,
         f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
         "with clearance it vanishes, see table manufacturing-readings",
     )
-    findings.claim(
+    findings.add_claim(
         f"less_uniform_{screw}",
-        relative_load_deviation(roundness) > relative_load_deviation(pitch),
-        f"standard deviation over mean {relative_load_deviation(roundness):.2f} with roundness, "
-        f"{relative_load_deviation(pitch):.2f} with pitch error",
+        relative_standard_deviation_of_loads(roundness) > relative_standard_deviation_of_loads(pitch),
+        f"standard deviation over mean {relative_standard_deviation_of_loads(roundness):.2f} with roundness, "
+        f"{relative_standard_deviation_of_loads(pitch):.2f} with pitch error",
     )
-    lost = unloaded_ball_mask(roundness)
+    lost = balls_without_load(roundness)
     words = (
         f"{count_text_of_mask(lost)} balls without contact; with pitch error "
-        f"{count_text_of_mask(unloaded_ball_mask(pitch))}"
+        f"{count_text_of_mask(balls_without_load(pitch))}"
     )
-    findings.claim(f"lost_{screw}", bool(lost.any()), words)
-    count, power = dominant_harmonic_of_unloaded_balls(study.scene(f"lin-roundness-{screw}"), lost)
+    findings.add_claim(f"lost_{screw}", bool(lost.any()), words)
+    count, power = dominant_harmonic_of_unloaded_balls(cache.built_in_scene(f"lin-roundness-{screw}"), lost)
     words = f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else "no ball loses contact"
-    findings.claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)
+    findings.add_claim(f"pattern_{screw}", bool(lost.any()) and count == 2, words)

@@ -10,46 +10,52 @@ from math import degrees
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table, printed_entry, printed_value
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table, printed_entry, printed_value
 from rollbench.lowfi.friction import bearing
-from rollbench.lowfi.friction.contact.laws import cubic_force_factor, error_of_linear_force, linear_force_factor
+from rollbench.lowfi.friction.contact.laws import (
+    cubic_friction_force_factor,
+    error_of_linear_friction_force,
+    linear_friction_force_factor,
+)
 from rollbench.lowfi.friction.linear.bearing import Loads, relative_velocity_deviation
 from rollbench.lowfi.friction.linear.chain import (
+    LinearPairResultsOverGrid,
     LinearPairSolution,
-    PairResultsOverGrid,
     pair_angles_and_loads,
     pair_results_by_formulas,
     pair_results_over_grid,
-    solve_pair,
+    solve_pair_of_linear_balls,
 )
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import lin_sigmoid_law
 from rollbench.lowfi.hertz import contact_modulus, hertz_constants
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Quantity, Row
+from rollbench.reports.content import Row, TableColumn
 
 #: Inputs of the rotary bearing (Table 3.1) and the linear bearing (Table 3.3).
-ROTARY, AXIAL = source_cases.rotary_scene("I").bearing, source_cases.rotary_scene("I").force
+ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").axial_force
 LINEAR, VERTICAL, SIDE = (
-    source_cases.linear_pair_scene().bearing,
-    source_cases.linear_pair_scene().vertical,
-    float(source_cases.linear_pair_scene().side[0]),
+    source_cases.linear_ball_pair_scene().bearing,
+    source_cases.linear_ball_pair_scene().vertical_force,
+    float(source_cases.linear_ball_pair_scene().side_force_ratios[0]),
 )
 THETA, WORST = (
-    source_cases.linear_pair_scene().deviation,
-    source_cases.linear_pair_scene(source_cases.LINEAR_WORST).deviation,
+    source_cases.linear_ball_pair_scene().angle_deviation,
+    source_cases.linear_ball_pair_scene(source_cases.LINEAR_WORST).angle_deviation,
 )
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
-CASES = {name: source_cases.rotary_scene(name).displacement for name in source_cases.ROTARY_SCENES}
+CASES = {name: source_cases.rotary_ball_scene(name).radial_displacement for name in source_cases.ROTARY_SCENES}
 #: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
 #: over the major semi-axis.
 K_F = source_cases.printed_friction_slope()
 #: Lin's sigmoid friction law, with the inferred parameters (sharpness, step of its maps).
 PRINTED_LAW = lin_sigmoid_law(
-    ROTARY, source_cases.rotary_scene("I", printed=True).sharpness, source_cases.rotary_scene("I", printed=True).map_step
+    ROTARY,
+    source_cases.rotary_ball_scene("I", printed=True).sharpness,
+    source_cases.rotary_ball_scene("I", printed=True).friction_table_step,
 )
 #: Ways in which the contact loads are computed, see `solve_linear_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -61,18 +67,18 @@ YIELD, MULTIPLE = 370.0, 4.2
 
 
 @cache
-def solve_rotary_as_printed(case: str) -> bearing.BearingBallSolution:
+def solve_rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
 
     It uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
-    scene = source_cases.rotary_scene(case, printed=True)
-    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
-    return bearing.solve_ball_by_lin_method(scene.bearing, scene.force, scene.displacement, law, fast=True)
+    scene = source_cases.rotary_ball_scene(case, printed=True)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.friction_table_step)
+    return bearing.solve_ball_by_lin_method(scene.bearing, scene.axial_force, scene.radial_displacement, law, fast=True)
 
 
 @cache
-def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BearingBallSolution:
+def solve_rotary_ball(case: str, hertz: Mode = "right") -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2: that of least friction loss.
 
     ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
@@ -82,7 +88,7 @@ def solve_rotary(case: str, hertz: Mode = "right") -> bearing.BearingBallSolutio
 
 
 @cache
-def solve_linear_pair(
+def solve_linear_ball_pair(
     theta: float = THETA, loads: Loads = "balanced", mated: bool = False, mu_balls: float = 0.1
 ) -> LinearPairSolution:
     """Solve the contact of two neighbouring balls in the linear bearing, at the side force of Lin's case study.
@@ -92,11 +98,11 @@ def solve_linear_pair(
     the top groove is made to match the bottom groove, Lin's case (b), instead of case (a); ``mu_balls``: friction
     coefficient between the balls.
     """
-    return solve_pair(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
+    return solve_pair_of_linear_balls(replace(LINEAR, mu_balls=mu_balls), theta, SIDE, VERTICAL, mated=mated, loads=loads)
 
 
 @cache
-def force_and_loss_maps() -> PairResultsOverGrid:
+def ball_force_and_loss_over_grid() -> LinearPairResultsOverGrid:
     """Compute ball-to-ball force and friction losses of two touching balls in the linear bearing, over a grid of inputs.
 
     The inputs are the deviation theta of the contact angle, from -3 to 3 deg, and the side force over the vertical load,
@@ -108,10 +114,10 @@ def force_and_loss_maps() -> PairResultsOverGrid:
 # --- computed values for printed numbers
 
 
-def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the rotary bearing in Table 3.1 of Lin's thesis.
 
-    ``findings``: receives the value to compare with each number of the table. ``study``: not used here.
+    ``findings``: receives the value to compare with each number of the table. ``cache``: not used here.
     """
     b = ROTARY
     values = {
@@ -128,24 +134,24 @@ def table_3_1(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     findings.numbers(values)
 
 
-def value_for_table_3_2(s: bearing.BearingBallSolution, key: str) -> float:
+def value_for_table_3_2(solution: bearing.BearingBallSolution, key: str) -> float:
     """Return the computed value for a row of Lin's Table 3.2, in the unit of the table.
 
-    ``s``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss) followed
-    by the name of a contact or "sum"; "omega_" (angular velocity of the ball) followed by "B" (orbit), "x" or "y"; or
-    "torque".
+    ``solution``: solved motion of the ball; ``key``: name of the table's row: "F_" (contact load) or "P_" (friction loss)
+    followed by the name of a contact or "sum"; "omega_" (angular velocity of the ball) followed by "B" (orbit), "x" or "y";
+    or "torque".
     """
     kind, _, what = key.partition("_")
     if kind == "F":
-        return float(s.load.force.sum() if what == "sum" else s.load.force[bearing.SIDES.index(what)])
+        return float(solution.load.force.sum() if what == "sum" else solution.load.force[bearing.SIDES.index(what)])
     if kind == "P":
-        return float(s.motion.loss if what == "sum" else s.motion.friction.loss[bearing.SIDES.index(what)])
+        return float(solution.motion.loss if what == "sum" else solution.motion.friction.loss[bearing.SIDES.index(what)])
     if kind == "omega":
-        return float(s.motion.q["Bxy".index(what)])
-    return 1e3 * s.torque
+        return float(solution.motion.unknown_velocities["Bxy".index(what)])
+    return 1e3 * solution.inner_ring_torque
 
 
-def force_or_torque_increase(
+def increase_between_rotary_cases(
     first: bearing.BearingBallSolution, raised: bearing.BearingBallSolution, quantity: str
 ) -> float:
     """Return the increase of a quantity between two cases of the rotary bearing.
@@ -156,7 +162,7 @@ def force_or_torque_increase(
     """
     if quantity == "force":
         return float(error_percent(raised.load.force.sum(), first.load.force.sum()))
-    return raised.torque / first.torque - 1.0
+    return raised.inner_ring_torque / first.inner_ring_torque - 1.0
 
 
 #: Name of the 3D model's result and factor to the table's unit, by key of Table 3.2.
@@ -165,41 +171,41 @@ IN_3D |= {"P_OR": ("loss OR mW", 1e-3), "torque": ("torque N mm", 1.0), "omega_B
 IN_3D |= {"omega_x": ("omega x rad/s", 1.0), "omega_y": ("omega y rad/s", 1.0)}
 
 
-def table_3_2(findings: Findings, study: Study) -> None:
+def table_3_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute contact forces, losses and ball motion of the rotary bearing: Table 3.2 and section 3.2.2 of Lin's thesis.
 
     ``findings``: receives two values to compare with each printed number: as printed, with Lin's faults, and correct, with
-    exact Hertz constants and least dissipation; ``study``: gives stored results of the 3D rolling model.
+    exact Hertz constants and least dissipation; ``cache``: gives stored results of the 3D rolling model.
     """
     solid = {
-        case: source_cases.stored_rolling_results_in_3d(study, name) for case, name in source_cases.ROTARY_SCENES.items()
+        case: source_cases.stored_rolling_results_in_3d(cache, name) for case, name in source_cases.ROTARY_SCENES.items()
     }
-    for row in load_table("lin-3.2"):
+    for row in load_printed_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
             what = key.removesuffix("_increase")
             faulty, true = (
-                force_or_torque_increase(solve_rotary_as_printed("I"), solve_rotary_as_printed(case), what),
-                force_or_torque_increase(solve_rotary("I"), solve_rotary(case), what),
+                increase_between_rotary_cases(solve_rotary_ball_as_printed("I"), solve_rotary_ball_as_printed(case), what),
+                increase_between_rotary_cases(solve_rotary_ball("I"), solve_rotary_ball(case), what),
             )
         else:
             faulty, true = (
-                value_for_table_3_2(solve_rotary_as_printed(case), key),
-                value_for_table_3_2(solve_rotary(case), key),
+                value_for_table_3_2(solve_rotary_ball_as_printed(case), key),
+                value_for_table_3_2(solve_rotary_ball(case), key),
             )
-        words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
+        words = f"as printed, the computed forces add to {faulty:.4f} N" if row.entry_class == "open" else ""
         name, unit = IN_3D.get(key, ("", 1.0))
         value = solid[case].get(name)
         if key == "P_sum":
             unit, value = 1e-3, sum(v for what, v in solid[case].items() if what.startswith("loss ")) or None
-        findings.number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
+        findings.add_number(row.key, true, words, as_printed=faulty, reference=None if value is None else unit * value)
 
 
-def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_3_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute inputs and worst case of the linear bearing, and check claims: Table 3.3, section 3.3.4.1 of Lin's thesis.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
-    ``study``: not used here.
+    ``cache``: not used here.
     """
     b = LINEAR
     values = {
@@ -216,38 +222,44 @@ def table_3_3(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     }
     findings.numbers(values)
     _record_largest_friction_loss_increase(findings)
-    _check_map_claims(findings, force_and_loss_maps())
+    _check_claims_on_force_and_loss_grid(findings, ball_force_and_loss_over_grid())
 
 
-def _record_largest_friction_loss_increase(findings: Findings) -> None:
+def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> None:
     """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
     It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
     """
-    worst = solve_linear_pair(WORST)
-    whole = float(error_percent(worst.touching.loss, worst.free.loss))
-    findings.number(
+    worst = solve_linear_ball_pair(WORST)
+    whole = float(error_percent(worst.touching.loss, worst.apart.loss))
+    findings.add_number(
         "worst_ratio",
-        float(error_percent(worst.rubbing_ratio, 1.0)),
+        float(error_percent(worst.groove_and_ball_loss_ratio, 1.0)),
         f"Ours is the loss between the balls over the baseline; with the change of the groove losses {whole:.1f} %",
-        as_printed=100.0 * worst.rubbing_ratio,
+        as_printed=100.0 * worst.groove_and_ball_loss_ratio,
     )
 
 
-def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
+def _check_claims_on_force_and_loss_grid(findings: ComputedEntryValues, maps: LinearPairResultsOverGrid) -> None:
     """Check Lin's claims on ball-to-ball force and losses of two balls over contact-angle deviation and side force.
 
     ``maps``: these quantities by the numerical model and by Lin's formulas. ``findings``: receives the results.
     """
-    difference, force, ratio = (both.numerical for both in (maps.difference, maps.force, maps.ratio))
+    difference, force, ratio = (
+        both.numerical for both in (maps.velocity_deviation_difference, maps.force, maps.groove_and_ball_loss_ratio)
+    )
     fields = (force[4:, 2::-1], ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(ratio.max(), 1.0))
-    findings.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
-    pairs = ((difference, maps.difference.error), (force, maps.force.error), (ratio - 1.0, maps.ratio.error))
+    findings.add_claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
+    pairs = (
+        (difference, maps.velocity_deviation_difference.error),
+        (force, maps.force.error),
+        (ratio - 1.0, maps.groove_and_ball_loss_ratio.error),
+    )
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
-    findings.claim(
+    findings.add_claim(
         "maps_agree",
         inside < 0.02 and corner > 3.0 * inside,
         f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
@@ -255,7 +267,7 @@ def _check_map_claims(findings: Findings, maps: PairResultsOverGrid) -> None:
     )
     closing = difference > 1e-9
     apart = float(np.abs(force[~closing]).max())
-    findings.claim(
+    findings.add_claim(
         "sign_region",
         bool(np.all(force[closing] > 0.0)) and apart < 1e-8,
         f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
@@ -272,26 +284,26 @@ def velocity_deviations_by_formula(mated: bool) -> Array:
     return relative_velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
-def table_3_4(findings: Findings, study: Study) -> None:
+def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the velocity deviations [%] of two balls in the linear bearing: Table 3.4 of Lin's thesis.
 
-    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    ``findings``: receives the computed value to compare with each number of the table; ``cache``: gives stored results of
     the 3D rolling model.
     """
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
-        scene = source_cases.linear_pair_scene(name)
-        top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
+        scene = source_cases.linear_ball_pair_scene(name)
+        top = (scene.contact_angles[0, 2:] - scene.bearing.contact_angle) / scene.angle_deviation  # at TR and TL
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
-        found, formula = solve_linear_pair(mated=mated).free.deviation, velocity_deviations_by_formula(mated)
-        solid = source_cases.stored_rolling_results_in_3d(study, f"lin-pair-{case}").get(f"deviation {ball} apart %")
-        findings.number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
-        findings.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
+        found, formula = solve_linear_ball_pair(mated=mated).apart.velocity_deviation, velocity_deviations_by_formula(mated)
+        solid = source_cases.stored_rolling_results_in_3d(cache, f"lin-pair-{case}").get(f"deviation {ball} apart %")
+        findings.add_number(f"{case}_eps{ball}_numerical", 100.0 * float(found[ball - 1]), reference=solid)
+        findings.add_number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]), reference=solid)
 
 
-def force_with_misprinted_exponents() -> float:
+def ball_force_with_misprinted_exponents() -> float:
     """Return the ball-to-ball force of case (a) by Lin's formula (3.51) with the exponents -2/3 that are misprinted.
 
     With these exponents the result has no unit of force; the loads are inserted in N.
@@ -310,35 +322,38 @@ def formula_force(*, mated: bool) -> float:
     return pair_results_by_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=mated)[1]
 
 
-def table_3_5(findings: Findings, study: Study) -> None:
+def table_3_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute ball-to-ball forces [N] of the linear bearing and differences from ANSYS: Table 3.5 of Lin's thesis.
 
-    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    ``findings``: receives the computed value to compare with each number of the table; ``cache``: gives stored results of
     the 3D rolling model.
     """
-    spread = ", ".join(f"{loads} {solve_linear_pair(loads=loads).force:.2f} N" for loads in LOADS)
+    spread = ", ".join(f"{loads} {solve_linear_ball_pair(loads=loads).ball_to_ball_force:.2f} N" for loads in LOADS)
     formula = {case: formula_force(mated=case == "b") for case in "ab"}
-    solid = {case: source_cases.stored_rolling_results_in_3d(study, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
-    as_is = f"with the exponents -2/3 as printed the formula gives {force_with_misprinted_exponents():.2g} N"
+    solid = {case: source_cases.stored_rolling_results_in_3d(cache, f"lin-pair-{case}").get("force 1-2 N") for case in "ab"}
+    as_is = f"with the exponents -2/3 as printed the formula gives {ball_force_with_misprinted_exponents():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
-        findings.number(
-            f"{case}_force_numerical", solve_linear_pair(mated=case == "b").force, of_loads, reference=solid[case]
+        findings.add_number(
+            f"{case}_force_numerical",
+            solve_linear_ball_pair(mated=case == "b").ball_to_ball_force,
+            of_loads,
+            reference=solid[case],
         )
-        findings.number(f"{case}_force_ansys", None, reference=solid[case])
-        findings.number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
+        findings.add_number(f"{case}_force_ansys", None, reference=solid[case])
+        findings.add_number(f"{case}_force_analytic", formula[case], of_formula, reference=solid[case])
     ansys = printed_value("lin-3.5", "a_force_ansys")
-    for name, ours in (("numerical", solve_linear_pair().force), ("analytic", formula["a"])):
+    for name, ours in (("numerical", solve_linear_ball_pair().ball_to_ball_force), ("analytic", formula["a"])):
         off = [f"{error_percent(ours, other):+.1f} %" for other in (ansys, solid["a"]) if other is not None]
         words = f"ours is {off[0]} off the printed ANSYS force" + "".join(f", {x} off our 3D" for x in off[1:])
         first = (
             printed_value("lin-3.5", "a_force_numerical") if name == "numerical" else ours
         )  # arithmetic on printed numbers
-        findings.number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
+        findings.add_number(f"error_{name}", abs(float(error_percent(first, ansys))), words)
     for model, case in product(("numerical", "analytic", "ansys"), "ab"):
-        findings.remark(f"{case}_time_{model}", "another machine and language; not compared")
+        findings.add_remark(f"{case}_time_{model}", "another machine and language; not compared")
 
 
-def contact_ellipse_proportions(conformity: float, pressure: float) -> tuple[float, float]:
+def contact_ellipse_ratios(conformity: float, pressure: float) -> tuple[float, float]:
     """Return the proportions of the contact ellipse of a ball in a straight groove.
 
     First: ratio b/a of the minor to the major semi-axis; second: a over the ball's radius at the largest Hertz pressure
@@ -350,28 +365,28 @@ def contact_ellipse_proportions(conformity: float, pressure: float) -> tuple[flo
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
-def appendix_g(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def appendix_g(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute slope and linear range of the friction force over the offset of the spin pole: appendix G of Lin's thesis.
 
-    ``findings``: receives the computed value to compare with each printed number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each printed number. ``cache``: not used here.
     """
     pressure = MULTIPLE * YIELD
-    ratio = contact_ellipse_proportions(LINEAR.conformity, 1e6 * pressure)[0]
-    slope, cubic = float(linear_force_factor(ratio)), float(cubic_force_factor(ratio))
-    a_over_r = contact_ellipse_proportions(0.52, 1e6 * pressure)[1]
+    ratio = contact_ellipse_ratios(LINEAR.conformity, 1e6 * pressure)[0]
+    slope, cubic = float(linear_friction_force_factor(ratio)), float(cubic_friction_force_factor(ratio))
+    a_over_r = contact_ellipse_ratios(0.52, 1e6 * pressure)[1]
     reach, cut = printed_value("lin-G", "reach"), np.floor(1e3 * a_over_r) / 1e3
-    off = 100.0 * float(error_of_linear_force(ratio, K_F))
-    findings.number(
+    off = 100.0 * float(error_of_linear_friction_force(ratio, K_F))
+    findings.add_number(
         "k_f",
         slope,
         f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 {slope - 0.25 * cubic:.3f}; the "
         f"printed slope is off by up to {off:.1f} % of the force",
     )
-    findings.remark("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
-    findings.number("pressure", pressure)
-    findings.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
+    findings.add_remark("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
+    findings.add_number("pressure", pressure)
+    findings.add_number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
     eta = degrees(reach * a_over_r)
-    findings.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
+    findings.add_number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
 
 
 # --- sections 3.2 and 3.3 under several assumptions: balance of power in the rotary bearing, loads of the linear bearing
@@ -386,9 +401,9 @@ def power_balance_rows() -> list[Row]:
     rows: list[Row] = []
     for case in CASES:
         for label, s in (
-            ("right", solve_rotary(case)),
-            ("least dissipation at the loads as printed", solve_rotary(case, "as printed")),
-            ("as printed", solve_rotary_as_printed(case)),
+            ("right", solve_rotary_ball(case)),
+            ("least dissipation at the loads as printed", solve_rotary_ball(case, "as printed")),
+            ("as printed", solve_rotary_ball_as_printed(case)),
         ):
             torque = bearing.inner_ring_torque(ROTARY, s.load, s.motion)
             power = torque * ROTARY.screw_speed
@@ -396,14 +411,14 @@ def power_balance_rows() -> list[Row]:
                 {
                     "case": case,
                     "model": label,
-                    Quantity("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
-                    Quantity("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
-                    Quantity("input", "power in", "W", ".6f"): power,
-                    Quantity("loss", "dissipation", "W", ".6f"): s.motion.loss,
-                    Quantity("balance", "power in against dissipation", "%", "g2"): float(
+                    TableColumn("force", "sum of forces", "N", ".3f"): float(s.load.force.sum()),
+                    TableColumn("torque", "friction's moment on the ring", "N mm", ".4f"): 1e3 * torque,
+                    TableColumn("input", "power in", "W", ".6f"): power,
+                    TableColumn("loss", "dissipation", "W", ".6f"): s.motion.loss,
+                    TableColumn("balance", "power in against dissipation", "%", "g2"): float(
                         error_percent(power, s.motion.loss)
                     ),
-                    Quantity("rest", "contacts at rest", "", "s"): int(s.motion.rest.sum()),
+                    TableColumn("rest", "contacts at rest", "", "s"): int(s.motion.sticking_contacts.sum()),
                     "status": s.motion.status,
                 }
             )
@@ -417,20 +432,20 @@ def linear_pair_sensitivity_rows() -> list[Row]:
     """
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")
-    against = f"against the printed {printed.printed} N"
+    against = f"against the printed {printed.number_as_printed} N"
     for loads, mu in product(LOADS, (0.1, 0.0)):
-        r, worst = solve_linear_pair(loads=loads, mu_balls=mu), solve_linear_pair(WORST, loads, mu_balls=mu)
-        increase = float(error_percent(worst.touching.loss, worst.free.loss))
+        r, worst = solve_linear_ball_pair(loads=loads, mu_balls=mu), solve_linear_ball_pair(WORST, loads, mu_balls=mu)
+        increase = float(error_percent(worst.touching.loss, worst.apart.loss))
         rows.append(
             {
                 "loads": loads,
-                Quantity("mu", "friction between balls", "", "g2"): mu,
-                Quantity("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[0]),
-                Quantity("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.free.deviation[1]),
-                Quantity("force", "force, θ = 2°", "N", ".3f"): r.force,
-                Quantity("error", against, "%", ".2f"): float(error_percent(r.force, printed.value or 0.0)),
-                Quantity("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.rubbing_ratio,
-                Quantity("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
+                TableColumn("mu", "friction between balls", "", "g2"): mu,
+                TableColumn("eps1", "ε₁, θ = 2°", "%", ".3f"): 100.0 * float(r.apart.velocity_deviation[0]),
+                TableColumn("eps2", "ε₂, θ = 2°", "%", ".3f"): 100.0 * float(r.apart.velocity_deviation[1]),
+                TableColumn("force", "force, θ = 2°", "N", ".3f"): r.ball_to_ball_force,
+                TableColumn("error", against, "%", ".2f"): float(error_percent(r.ball_to_ball_force, printed.value or 0.0)),
+                TableColumn("ratio", "total over baseline, θ = 3°", "%", ".1f"): 100.0 * worst.groove_and_ball_loss_ratio,
+                TableColumn("increase", "increase of all losses, θ = 3°", "%", ".1f"): increase,
                 "status": r.touching.status,
             }
         )

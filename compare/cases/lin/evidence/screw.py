@@ -11,40 +11,52 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
 from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
-from rollbench.lowfi.friction.bearing import DIAGONAL, OTHER, BallRow, BearingCase, TorqueCurve, torque_over_force_angles
+from rollbench.lowfi.friction.bearing import (
+    DIAGONAL,
+    OTHER,
+    BallRow,
+    BearingCase,
+    BearingTorqueCurve,
+    torque_over_force_angles,
+)
 from rollbench.lowfi.friction.screw.groove import Mode
 from rollbench.lowfi.friction.screw.motion import Coupling
 from rollbench.lowfi.friction.screw.run import (
     SHIFTED,
     Pair,
-    PairResultGrid,
     Run,
-    RunSummary,
+    ScrewPairResultGrid,
     ScrewPairSolution,
+    ScrewRunSummary,
     load_implied_by_ball_force,
     results_over_oversize_and_force,
     simulate_equal_steps,
-    solve_pair,
-    summarise_history,
+    solve_pair_of_screw_balls,
+    summarise_screw_run,
 )
-from rollbench.lowfi.friction.screw.travel import StepError, TravelHistory, count_touching_groups, run_with_step_errors
+from rollbench.lowfi.friction.screw.travel import (
+    TimeStepErrors,
+    TravelHistory,
+    count_touching_groups,
+    simulate_with_step_errors,
+)
 from rollbench.lowfi.friction.whole.circuit import ContactOnset, contact_onset
 from rollbench.meshes.arrays import Array
-from rollbench.reports.content import Quantity, Row
+from rollbench.reports.content import Row, TableColumn
 
 #: Deviations theta [deg] of the second ball's contact angle in Table 3.7, by case; amplitudes [deg] of theta in the
 #: simulations of section 3.4.4, which the thesis does not print.
 THETA = {name: degrees(source_cases.second_ball_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load to the bearing's axis in section 4.3.1.
-ANGLES = source_cases.four_point_and_double_row_scene().angle
+ANGLES = source_cases.four_point_and_double_row_scene().force_angles
 #: Permitted error of the torque by the time step of a simulation, over the mean torque.
 STEP_GOAL = 0.003
 #: Grid level, the finest, of the stored 3D results of two touching balls.
@@ -57,14 +69,14 @@ SCREWS = {"pitch": "lin-pitch-4p1", "roundness": "lin-roundness-4p1", "none": "l
 
 
 @cache
-def solve_screw_pair(case: str, interpretation: Literal["plain", "inferred"]) -> ScrewPairSolution:
+def solve_screw_ball_pair(case: str, interpretation: Literal["plain", "inferred"]) -> ScrewPairSolution:
     """Solve loads and motions of two neighbouring balls of the screw in a case of Lin's Table 3.7.
 
     ``case``: "a" or "b"; ``interpretation``: "plain" for the text as printed, "inferred" for balls with the oversize that
     was inferred from the printed results. Returns the solutions with and without ball-to-ball contact.
     """
-    return solve_pair(
-        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).pair
+    return solve_pair_of_screw_balls(
+        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).ball_pair
     )
 
 
@@ -75,57 +87,59 @@ def simulate_screw(amplitude: float) -> TravelHistory:
     ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and
     torques at each time step.
     """
-    return simulate_with_step_control(amplitude)[0]
+    return simulate_screw_with_step_errors(amplitude)[0]
 
 
 @cache
-def simulate_with_step_control(amplitude: float) -> tuple[TravelHistory, StepError | None]:
+def simulate_screw_with_step_errors(amplitude: float) -> tuple[TravelHistory, TimeStepErrors | None]:
     """Simulate the whole screw of Lin's section 3.4.4, with a time-step error below 0.3 %, and estimate this error.
 
     The permitted error over the mean torque is `STEP_GOAL`. ``amplitude``: amplitude of theta, the deviation of the contact
     angles from nominal, 2 or 3 [deg]. Returns the history of motions and torques, then the error by the time step over the
     mean torque, None if it is unknown.
     """
-    run = source_cases.shipped_simulation_inputs(amplitude)
-    return run_with_step_errors(run, run.duration, None, STEP_GOAL)
+    run = source_cases.simulation_inputs_by_theta_amplitude(amplitude)
+    return simulate_with_step_errors(run, run.duration, None, STEP_GOAL)
 
 
 @cache
-def simulate_in_200_steps(amplitude: float) -> TravelHistory:
+def simulate_screw_in_200_steps(amplitude: float) -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis in 200 equal time steps, as Lin does.
 
     Loads and motions are constant over a step, with their values at its start. ``amplitude``: amplitude of theta, the
     deviation of the contact angles from nominal, 2 or 3 [deg]. Returns motions and torques at each time step.
     """
-    return simulate_equal_steps(source_cases.shipped_simulation_inputs(amplitude))
+    return simulate_equal_steps(source_cases.simulation_inputs_by_theta_amplitude(amplitude))
 
 
 @cache
-def simulate_without_oversize() -> TravelHistory:
+def simulate_screw_without_oversize() -> TravelHistory:
     """Simulate the whole screw of section 3.4.4 of Lin's thesis over time, with balls that are not oversized.
 
     Friction moves balls and screw and so changes the contact loads. The deviation theta of the contact angles has an
     amplitude of 3 deg. Returns motions and torques at each time step.
     """
     return simulate_equal_steps(
-        replace(source_cases.shipped_simulation_inputs(3.0), oversize=0.0, coupling="ball and screw")
+        replace(source_cases.simulation_inputs_by_theta_amplitude(3.0), oversize=0.0, coupling="ball and screw")
     )
 
 
 @cache
-def torque_over_load_angle(bearing: str, tilt: bool) -> TorqueCurve:
+def bearing_torque_over_load_angle(bearing: str, free_to_tilt: bool) -> BearingTorqueCurve:
     """Compute the friction torque of a bearing of Lin's Table 4.2 over the angle between the load and the bearing's axis.
 
-    ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``tilt``: whether the inner ring is free to tilt.
-    The load angles are `ANGLES`.
+    ``bearing``: "4P" for the four-point, "DR" for the double-row bearing; ``free_to_tilt``: whether the inner ring is free
+    to tilt. The load angles are `ANGLES`.
     """
     return torque_over_force_angles(
-        source_cases.four_point_bearing(tilt=tilt) if bearing == "4P" else source_cases.double_row_bearing(tilt=tilt),
+        source_cases.four_point_bearing(tilt=free_to_tilt)
+        if bearing == "4P"
+        else source_cases.double_row_bearing(tilt=free_to_tilt),
         ANGLES,
     )
 
 
-def largest_over_smallest_torque(found: TorqueCurve, largest_angle: float) -> float:
+def largest_over_smallest_torque(found: BearingTorqueCurve, largest_angle: float) -> float:
     """Return the largest over the smallest friction torque of a bearing, for load angles of 0 to ``largest_angle`` [deg].
 
     ``found``: friction torque of the bearing over the angle between its load and its axis.
@@ -139,26 +153,28 @@ def loss_increase_percent(pair: ScrewPairSolution) -> float:
 
     ``pair``: solutions for the two balls with ball-to-ball contact and without it.
     """
-    return float(error_percent(pair.touching.motion.loss, pair.free.motion.loss))
+    return float(error_percent(pair.touching.motion.loss, pair.apart.motion.loss))
 
 
-def compute_ball_contact_onset(study: Study, kind_of_error: str, unloaded_ball_speed_ratio: float) -> ContactOnset:
+def compute_ball_contact_onset(
+    cache: SceneResultCache, kind_of_error: str, unloaded_ball_speed_ratio: float
+) -> ContactOnset:
     """Compute the nut angle at which neighbouring balls first touch in the screw of Lin's Table 4.1.
 
-    ``study``: gives the solved scenes; ``kind_of_error``: geometric error of the screw's grooves, "pitch", "roundness" or
+    ``cache``: gives the solved scenes; ``kind_of_error``: geometric error of the screw's grooves, "pitch", "roundness" or
     "none"; ``unloaded_ball_speed_ratio``: velocity of balls without load, divided by the nominal ball velocity.
     """
     name = SCREWS[kind_of_error]
-    return contact_onset(study.scene(name), study.solve(name), unloaded_speed_ratio=unloaded_ball_speed_ratio)
+    return contact_onset(cache.built_in_scene(name), cache.solve_once(name), unloaded_speed_ratio=unloaded_ball_speed_ratio)
 
 
 # --- computed values for printed numbers
 
 
-def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def given_3_6(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the ball screw in Table 3.6 of Lin's thesis, as the scenes contain them.
 
-    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``study``: not used
+    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``cache``: not used
     here.
     """
     g = source_cases.groove_of_table_3_6()
@@ -180,78 +196,80 @@ def given_3_6(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     _record_youngs_modulus(findings, g.young)
 
 
-def _record_youngs_modulus(findings: Findings, young: float) -> None:
+def _record_youngs_modulus(findings: ComputedEntryValues, young: float) -> None:
     """Record Young's modulus ``young`` [Pa] in ``findings``, shown in the misprinted unit of Lin's thesis."""
-    findings.number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
+    findings.add_number("E", 1e-6 * young, f"taken as {1e-9 * young:g} kN/mm²; shown in the unit printed")
 
 
-def table_3_7(findings: Findings, study: Study) -> None:
+def table_3_7(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute ball-to-ball forces and loss increases of two balls of the screw: Table 3.7 of Lin's thesis.
 
-    ``findings``: receives the computed value to compare with each number of the table; ``study``: gives stored results of
+    ``findings``: receives the computed value to compare with each number of the table; ``cache``: gives stored results of
     the 3D rolling model.
     """
     for case in THETA:
-        solid = source_cases.stored_rolling_results_in_3d(study, source_cases.PAIR_SCENES[case])
+        solid = source_cases.stored_rolling_results_in_3d(cache, source_cases.PAIR_SCENES[case])
         _compute_force_and_increase(findings, case, solid)
         force, ansys = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "ansys"))
-        findings.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        _compare_force_with_ansys(findings, study, case)
-        findings.remark(f"time_{case}", "another machine and language")
-        findings.remark(f"time_ansys_{case}", "another machine and program")
+        findings.add_number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
+        _compare_force_with_ansys(findings, cache, case)
+        findings.add_remark(f"time_{case}", "another machine and language")
+        findings.add_remark(f"time_ansys_{case}", "another machine and program")
     printed = [
         printed_value("lin-3.5", "error_numerical"),
         *(printed_value("lin-3.7", f"difference_{case}") for case in THETA),
     ]
-    findings.number("within", max(printed), "the largest of the printed differences")
+    findings.add_number("within", max(printed), "the largest of the printed differences")
 
 
-def _compute_force_and_increase(findings: Findings, case: str, solid: Mapping[str, float]) -> None:
+def _compute_force_and_increase(findings: ComputedEntryValues, case: str, results_in_3d: Mapping[str, float]) -> None:
     """Compute ball-to-ball force and loss increase in a case of Lin's Table 3.7, and record them in ``findings``.
 
-    ``case``: "a" or "b"; ``solid``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
+    ``case``: "a" or "b"; ``results_in_3d``: results of the 3D rolling model by name with unit, such as "force 1-2 N".
     """
     force, percent = (printed_value("lin-3.7", f"{what}_{case}") for what in ("force", "increase"))
-    as_text, oversized = solve_screw_pair(case, "plain"), solve_screw_pair(case, "inferred")
+    as_text, oversized = solve_screw_ball_pair(case, "plain"), solve_screw_ball_pair(case, "inferred")
     implied = load_implied_by_ball_force(
         source_cases.screw_pair_with_inferred_oversize(radians(THETA[case])), force, 1e-2 * percent
     )
     off = [float(error_percent(r.force, force)) for r in (as_text, oversized)]
-    findings.number(
+    findings.add_number(
         f"force_{case}",
         as_text.force,
-        f"{_both_interpretations_in_words(as_text.force, oversized.force)}; the text as printed does not give it "
+        f"{_plain_and_inferred_value_in_words(as_text.force, oversized.force)}; the text as printed does not give it "
         f"({off[0]:+.0f} %): printed force and increase imply {implied:.0f} N of contact load a ball, plainly read "
         f"it is {as_text.ball_loads.mean():.0f} N, "
         f"the inferred one {oversized.ball_loads.mean():.0f} N ({off[1]:+.1f} %)",
         reading=oversized.force,
-        reference=solid.get("force 1-2 N"),
+        reference=results_in_3d.get("force 1-2 N"),
     )
     values = loss_increase_percent(as_text), loss_increase_percent(oversized)
     off = [float(error_percent(value, percent)) for value in values]
-    words = f"{_both_interpretations_in_words(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
-    findings.number(f"increase_{case}", values[0], words, reading=values[1], reference=solid.get("increase %"))
+    words = f"{_plain_and_inferred_value_in_words(*values)}; plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
+    findings.add_number(f"increase_{case}", values[0], words, reading=values[1], reference=results_in_3d.get("increase %"))
 
 
-def _compare_force_with_ansys(findings: Findings, study: Study, case: str) -> None:
+def _compare_force_with_ansys(findings: ComputedEntryValues, cache: SceneResultCache, case: str) -> None:
     """Record the ball-to-ball force by the 3D rolling model in ``findings``, as the counterpart of Lin's ANSYS force.
 
     The remark states the force for both interpretations of the contact loads: the text as printed, and balls with the
-    inferred oversize. ``study``: gives the stored 3D results; ``case``: case of Lin's Table 3.7, "a" or "b".
+    inferred oversize. ``cache``: gives the stored 3D results; ``case``: case of Lin's Table 3.7, "a" or "b".
     """
     scenes = source_cases.PAIR_SCENES[case], f"{source_cases.PAIR_SCENES[case]}-inferred"
-    as_text, oversized = (source_cases.stored_rolling_results_in_3d(study, scene).get("force 1-2 N") for scene in scenes)
-    words = "no stored run" if as_text is None or oversized is None else _both_interpretations_in_words(as_text, oversized)
+    as_text, oversized = (source_cases.stored_rolling_results_in_3d(cache, scene).get("force 1-2 N") for scene in scenes)
+    words = (
+        "no stored run" if as_text is None or oversized is None else _plain_and_inferred_value_in_words(as_text, oversized)
+    )
     words = f"3D rolling of elastic half spaces: {words}"
-    findings.number(f"ansys_{case}", None, words, reference=as_text)
+    findings.add_number(f"ansys_{case}", None, words, reference=as_text)
 
 
-def _both_interpretations_in_words(as_text: float, with_oversize: float) -> str:
+def _plain_and_inferred_value_in_words(as_text: float, with_oversize: float) -> str:
     """Return in words a value by two interpretations: of the text as printed, and of balls with the inferred oversize."""
     return f"plain reading {as_text:.4g}, inferred reading {with_oversize:.4g}"
 
 
-def torque_after_first_step(history: TravelHistory) -> Array:
+def groove_torque_after_first_step(history: TravelHistory) -> Array:
     """Return the friction torque [N m] of the ball-to-groove contacts at each time step from the second on, (steps - 1,).
 
     ``history``: motions and torques of a simulation of the whole screw. The first step is left out because its contact
@@ -265,11 +283,11 @@ def relative_groove_torque_variation(history: TravelHistory) -> float:
 
     The first time step is left out. ``history``: motions and torques at each time step.
     """
-    torque = torque_after_first_step(history)
+    torque = groove_torque_after_first_step(history)
     return float(np.ptp(torque) / torque.mean())
 
 
-def contact_begins_again(history: TravelHistory) -> bool:
+def ball_contact_ends_and_begins_again(history: TravelHistory) -> bool:
     """Return whether ball-to-ball contact begins, ends and begins again during a simulation of the whole screw.
 
     ``history``: motions, torques and touching balls at each time step.
@@ -285,20 +303,20 @@ def time_steps_in_words(amplitude: float) -> str:
     The result is the largest friction torque by ball-to-ball contacts over the torque by ball-to-groove contacts [%].
     ``amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
-    (found, error), base = simulate_with_step_control(amplitude), simulate_in_200_steps(amplitude)
-    size = "unknown" if error is None else f"{100.0 * error.largest:.2g} %"
-    few = 100.0 * summarise_history(base).largest
+    (found, error), base = simulate_screw_with_step_errors(amplitude), simulate_screw_in_200_steps(amplitude)
+    size = "unknown" if error is None else f"{100.0 * error.largest_error:.2g} %"
+    few = 100.0 * summarise_screw_run(base).largest_ball_to_groove_ratio
     return (
         f"in {found.steps} steps, whose error is {size} of the mean torque; the source's {base.steps} steps give "
         f"{few:.1f} %"
     )
 
 
-def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_3_4_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed on the simulation of the whole screw in Lin's section 3.4.4, and check the claims.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
-    ``study``: not used here.
+    ``cache``: not used here.
     """
     base = source_cases.simulation_inputs_of_section_3_4_4()
     inputs = {
@@ -314,49 +332,58 @@ def section_3_4_4(findings: Findings, study: Study) -> None:  # noqa: ARG001 - e
     _check_simulation_claims(findings)
 
 
-def _compute_ball_contact_torque(findings: Findings) -> None:
+def _compute_ball_contact_torque(findings: ComputedEntryValues) -> None:
     """Compute the largest torque by ball-to-ball contact, and the nut angles at which it occurs and at which contact ends.
 
     The values are recorded in ``findings``: the torque by ball-to-ball contacts over the torque by ball-to-groove contacts
     [%], and the angles in degrees.
     """
-    low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
+    low, high = (summarise_screw_run(simulate_screw(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * source_cases.inferred_oversize():g} µm oversize"
-    words = f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; {time_steps_in_words(3.0)}"
+    words = (
+        f"{assumed.format(f'{100.0 * low.largest_ball_to_groove_ratio:.1f} %')}: the printed number lies between; "
+        f"{time_steps_in_words(3.0)}"
+    )
     near = {key: f"; {nearest_interpretation_in_words(key)}" for key in PRINTED_OF_RUN}
-    findings.number("largest", 100.0 * high.largest, words + near["largest"])
-    findings.number("largest_at", high.at, assumed.format(f"{low.at:.0f}°") + near["largest_at"])
-    findings.number("none_at", high.none_at, assumed.format(f"{low.none_at:.0f}°") + near["none_at"])
+    findings.add_number("largest", 100.0 * high.largest_ball_to_groove_ratio, words + near["largest"])
+    findings.add_number(
+        "largest_at",
+        high.nut_angle_of_largest_ratio,
+        assumed.format(f"{low.nut_angle_of_largest_ratio:.0f}°") + near["largest_at"],
+    )
+    findings.add_number(
+        "none_at", high.nut_angle_without_contact, assumed.format(f"{low.nut_angle_without_contact:.0f}°") + near["none_at"]
+    )
 
 
-def _check_simulation_claims(findings: Findings) -> None:
+def _check_simulation_claims(findings: ComputedEntryValues) -> None:
     """Check Lin's claims on the simulation of the whole screw, and record in ``findings`` whether they hold.
 
     The claims are on groups of touching balls, steady torque of the ball-to-groove contacts, and ball-to-ball contact
     that ends and begins again.
     """
-    low, high = (summarise_history(simulate_screw(a)) for a in AMPLITUDES)
-    words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
-    findings.claim("groups", low.groups == high.groups == 4, words)
+    low, high = (summarise_screw_run(simulate_screw(a)) for a in AMPLITUDES)
+    words = f"{low.most_touching_groups} groups with 2 deg, {high.most_touching_groups} with 3 deg"
+    findings.add_claim("groups", low.most_touching_groups == high.most_touching_groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
-    loose = simulate_without_oversize()
-    findings.claim(
+    loose = simulate_screw_without_oversize()
+    findings.add_claim(
         "groove_steady",
         max(vary) < 0.03,
         f"largest less smallest over mean: {vary[0]:.1%} with 2 deg, {vary[1]:.1%} with 3 deg; without oversize, loads "
         f"coupled to friction, {relative_groove_torque_variation(loose):.1%} from the second step on and "
-        f"{summarise_history(loose).groove_variation:.0%} with the first, whose loads are computed without friction: "
+        f"{summarise_screw_run(loose).groove_variation:.0%} with the first, whose loads are computed without friction: "
         "mostly "
         f"the start, not third contacts that come and go",
     )
-    again = [contact_begins_again(simulate_screw(a)) for a in AMPLITUDES]
-    findings.claim("none_then_again", all(again), "with 2 and with 3 deg")
+    again = [ball_contact_ends_and_begins_again(simulate_screw(a)) for a in AMPLITUDES]
+    findings.add_claim("none_then_again", all(again), "with 2 and with 3 deg")
 
 
-def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Record the inputs of the four-point and the double-row bearing in Table 4.2 of Lin's thesis.
 
-    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``study``: not used
+    ``findings``: receives the value to compare with each number of the table, in the table's unit. ``cache``: not used
     here.
     """
     four, double = source_cases.four_point_bearing(tilt=False), source_cases.double_row_bearing(tilt=False)
@@ -377,23 +404,27 @@ def table_4_2(findings: Findings, study: Study) -> None:  # noqa: ARG001 - every
     findings.numbers(values)
     _record_youngs_modulus(findings, g.young)
     apart = 2e3 * (double.rows[1].place - double.rows[0].place)
-    findings.number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
+    findings.add_number("thickness_dr", float(apart), "only twice the distance of the rows, an assumption")
     for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
-        findings.remark(key, "enters no model here: nothing to compare")
+        findings.add_remark(key, "enters no model here: nothing to compare")
 
 
-def section_4_3(findings: Findings, study: Study) -> None:
+def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Recompute the bearing torques of Lin's section 4.3, and check the claims on torque and ball-to-ball contact.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     _compute_bearing_torques(findings)
     first = {
-        (e, i): degrees(compute_ball_contact_onset(study, e, i).first) for e in ("pitch", "roundness") for i in (0.0, 0.9)
+        (e, i): degrees(compute_ball_contact_onset(cache, e, i).rotation_to_first_meeting)
+        for e in ("pitch", "roundness")
+        for i in (0.0, 0.9)
     }
-    lost = {e: int((compute_ball_contact_onset(study, e, 0.0).loaded == 0.0).sum()) for e in ("pitch", "roundness")}
-    findings.claim(
+    lost = {
+        e: int((compute_ball_contact_onset(cache, e, 0.0).contact_load_sums == 0.0).sum()) for e in ("pitch", "roundness")
+    }
+    findings.add_claim(
         "roundness_quicker",
         all(first["roundness", i] < first["pitch", i] for i in (0.0, 0.9)),
         f"first meeting within {first['roundness', 0.0]:.1f} deg of the nut if lost balls stand, "
@@ -402,32 +433,32 @@ def section_4_3(findings: Findings, study: Study) -> None:
     )
 
 
-def _compute_bearing_torques(findings: Findings) -> None:
+def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
     """Compute the torque ratios of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis.
 
     Each ratio is the largest over the smallest friction torque for load angles up to 18 deg; it is recorded in
     ``findings``.
     """
-    four, double = torque_over_load_angle("4P", True), torque_over_load_angle("DR", True)
+    four, double = bearing_torque_over_load_angle("4P", True), bearing_torque_over_load_angle("DR", True)
     ratios = (
         largest_over_smallest_torque(four, 18.0),
         largest_over_smallest_torque(double, 18.0),
-        largest_over_smallest_torque(torque_over_load_angle("DR", False), 18.0),
+        largest_over_smallest_torque(bearing_torque_over_load_angle("DR", False), 18.0),
     )
-    at_18 = int(four.four[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
-    still = largest_over_smallest_torque(torque_over_load_angle("4P", False), 18.0)
+    at_18 = int(four.balls_beyond_two_contacts[np.searchsorted(four.angle, radians(18.0) * (1.0 - 1e-12))])
+    still = largest_over_smallest_torque(bearing_torque_over_load_angle("4P", False), 18.0)
     words = f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
-    findings.number("ratio_4p", ratios[0], words)
-    findings.claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
-    findings.claim(
+    findings.add_number("ratio_4p", ratios[0], words)
+    findings.add_claim("four_worse", ratios[0] > 3.0 * max(ratios[1:]), f"{ratios[0]:.2f} against {ratios[1]:.2f}")
+    findings.add_claim(
         "dr_consistent",
-        bool(np.all(double.four == 0)) and ratios[1] < 1.28,
+        bool(np.all(double.balls_beyond_two_contacts == 0)) and ratios[1] < 1.28,
         f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without",
     )
-    findings.claim(
+    findings.add_claim(
         "transition",
-        bool(four.four[0] == 0 and at_18 > 0),
-        f"{int(four.four[0])} balls beyond two contacts at 0 deg, "
+        bool(four.balls_beyond_two_contacts[0] == 0 and at_18 > 0),
+        f"{int(four.balls_beyond_two_contacts[0])} balls beyond two contacts at 0 deg, "
         f"{at_18} of {source_cases.four_point_bearing().count} at 18 deg",
     )
 
@@ -455,16 +486,16 @@ def label_of_inferred_oversize() -> str:
     return f"{inferred_oversize_in_words()} oversize, not coupled"
 
 
-def load_state_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
+def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Return the interpretations of the contact loads of two balls that Lin's Table 3.7 leaves open.
 
     Each item of the list: short name, such as "plain"; assumptions in words; function that returns the ball pair for a
     deviation theta [rad] of the second ball's contact angle from nominal.
     """
 
-    def with_changes(make: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
-        """Return a function of theta [rad] that makes the ball pair by ``make`` and replaces its fields by ``changes``."""
-        return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
+    def with_changes(make_pair: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
+        """Return a function of theta [rad] that makes a ball pair by ``make_pair``, with ``changes`` of its fields."""
+        return lambda theta: replace(make_pair(theta), **changes)  # type: ignore[arg-type]
 
     radial = with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")
     smaller, larger = 0.5 * source_cases.inferred_oversize(), 1.5 * source_cases.inferred_oversize()
@@ -528,31 +559,31 @@ def load_state_interpretations() -> list[tuple[str, str, Callable[[float], Pair]
     ]
 
 
-def load_state_interpretation_rows() -> list[Row]:
+def contact_load_interpretation_rows() -> list[Row]:
     """Return table rows for Lin's Table 3.7, one for each interpretation of the contact loads of the two balls.
 
     Columns for each case (a) and (b): ball-to-ball force [N], its error against the printed force [%], increase of the
     friction loss [%], contact load of a ball [N].
     """
     rows = list[Row]()
-    for kind, label, make in load_state_interpretations():
-        row: Row = {Quantity("kind", "reading", "", "s"): kind, Quantity("reading", "assumptions", "", "s"): label}
+    for kind, label, make in contact_load_interpretations():
+        row: Row = {TableColumn("kind", "reading", "", "s"): kind, TableColumn("reading", "assumptions", "", "s"): label}
         good = True
         for case, theta in THETA.items():
-            r = solve_pair(make(radians(theta)))
+            r = solve_pair_of_screw_balls(make(radians(theta)))
             off = float(error_percent(r.force, printed_value("lin-3.7", f"force_{case}")))
             row |= {
-                Quantity(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
-                Quantity(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
-                Quantity(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase_percent(r),
-                Quantity(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
+                TableColumn(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"): r.force,
+                TableColumn(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"): off,
+                TableColumn(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"): loss_increase_percent(r),
+                TableColumn(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"): float(r.ball_loads.mean()),
             }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
     return rows
 
 
-def implied_contact_load() -> float:
+def contact_load_implied_by_table_3_7() -> float:
     """Return the contact load [N] of a ball implied by the printed force and loss increase of case (a), Lin's Table 3.7."""
     force, increase = (printed_value("lin-3.7", f"{what}_a") for what in ("force", "increase"))
     return load_implied_by_ball_force(
@@ -561,7 +592,7 @@ def implied_contact_load() -> float:
 
 
 @cache
-def oversize_and_load_map(case: str, coupling: Coupling) -> PairResultGrid:
+def pair_results_over_oversize_and_load(case: str, coupling: Coupling) -> ScrewPairResultGrid:
     """Compute ball-to-ball force and loss increase of two balls of the screw over the balls' oversize and the axial load.
 
     The oversizes are `OVERSIZE` [m], the axial loads `AXIAL` [N]. ``case``: case of Lin's Table 3.7, "a" or "b";
@@ -618,28 +649,28 @@ TRIED: tuple[Interpretation, ...] = (
 BY_SOURCE = (("screw", 3.0), ("nut", 2.5))
 
 
-def simulation_inputs_of_interpretation(follows: str, amplitude: float, oversize: float, pattern: str) -> Run:
+def simulation_inputs_of_interpretation(part_of_theta: str, amplitude: float, oversize: float, pattern: str) -> Run:
     """Return inputs of the whole-screw simulation of Lin's section 3.4.4, with assumptions where his text leaves them open.
 
-    ``follows``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
+    ``part_of_theta``: part with which the deviation theta of the contact angles moves, "screw" or "nut"; ``amplitude``:
     amplitude of theta [deg]; ``oversize``: oversize of the ball radius [um]; ``pattern``: whether theta acts on "one" or
     "both" of a ball's contacts with the screw.
     """
     flanks = (1.0, 0.0, 0.0, 0.0) if pattern == "one" else source_cases.simulation_inputs_of_section_3_4_4().pattern
     return source_cases.simulation_inputs_of_section_3_4_4(
-        follows=follows, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
+        follows=part_of_theta, amplitude=radians(amplitude), oversize=1e-6 * oversize, pattern=flanks
     )
 
 
 @cache
-def interpretation_results() -> tuple[RunSummary, ...]:
+def simulation_interpretation_results() -> tuple[ScrewRunSummary, ...]:
     """Simulate the whole screw of Lin's section 3.4.4 for each interpretation of its unprinted inputs, listed in `TRIED`.
 
     Each simulation has 200 equal time steps. Returns a summary of each simulation, with the largest ball-to-ball torque and
     the nut angles at which it occurs and at which contact ends.
     """
     return tuple(
-        summarise_history(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
+        summarise_screw_run(simulate_equal_steps(simulation_inputs_of_interpretation(*reading))) for reading in TRIED
     )
 
 
@@ -651,11 +682,19 @@ def nearest_interpretation_in_words(key: str) -> str:
 
     ``key``: key of the printed number in section 3.4.4 of Lin's thesis, one of `PRINTED_OF_RUN`.
     """
-    found = np.array([(100.0 * s.largest, s.at, s.none_at) for s in interpretation_results()])[:, PRINTED_OF_RUN.index(key)]
+    found = np.array(
+        [
+            (100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact)
+            for s in simulation_interpretation_results()
+        ]
+    )[:, PRINTED_OF_RUN.index(key)]
     k = int(np.nanargmin(np.abs(found - printed_value("lin-3.4.4", key))))
-    (follows, amplitude, oversize, pattern), s = TRIED[k], interpretation_results()[k]
+    (follows, amplitude, oversize, pattern), s = TRIED[k], simulation_interpretation_results()[k]
     text = f"theta of {amplitude:g} deg on {pattern} of the screw's contacts, with the {follows}, {oversize:g} um oversize"
-    numbers = f"{100.0 * s.largest:.1f} % at {s.at:.0f}°, no contact from {s.none_at:.0f}°"
+    numbers = (
+        f"{100.0 * s.largest_ball_to_groove_ratio:.1f} % at {s.nut_angle_of_largest_ratio:.0f}°, no contact from "
+        f"{s.nut_angle_without_contact:.0f}°"
+    )
     return f"nearest of {len(TRIED)} readings: {text}: {numbers} (table friction-run-readings)"
 
 
@@ -666,14 +705,18 @@ def simulation_interpretation_rows() -> list[Row]:
     values. The last rows are computed with Lin's rule for contact between balls.
     """
     found: list[tuple[str, Interpretation, list[Any]]] = [
-        ("neighbours never overlap", reading, [100.0 * s.largest, s.at, s.none_at])
-        for reading, s in zip(TRIED, interpretation_results(), strict=True)
+        (
+            "neighbours never overlap",
+            reading,
+            [100.0 * s.largest_ball_to_groove_ratio, s.nut_angle_of_largest_ratio, s.nut_angle_without_contact],
+        )
+        for reading, s in zip(TRIED, simulation_interpretation_results(), strict=True)
     ]
     for follows, amplitude in BY_SOURCE:
         reading = follows, amplitude, 1e6 * source_cases.inferred_oversize(), "both"
         of_source = simulation_row_by_lin_method(simulation_inputs_of_interpretation(*reading))
         found.append((SOURCE_RULE, reading, [of_source[q] for q in RUN[2:5]]))
-    off = [Quantity(f"{q.key}_off", f"{q.label}, less printed", q.unit, "+.1f") for q in RUN[2:5]]
+    off = [TableColumn(f"{q.key}_off", f"{q.label}, less printed", q.unit, "+.1f") for q in RUN[2:5]]
     printed = [printed_value("lin-3.4.4", key) for key in PRINTED_OF_RUN]
     rows = list[Row]()
     for rule, reading, values in found:
@@ -687,38 +730,41 @@ READING = ("rule of contact", "theta stays with", "amplitude / °", "oversize / 
 
 #: Columns of a row on the whole-screw simulation.
 RUN = (
-    Quantity("assumption", "assumption", "", "s"),
-    Quantity("value", "value", "", "s"),
-    Quantity("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
-    Quantity("at", "nut angle of the largest", "°", ".0f"),
-    Quantity("none_at", "nut angle where contact ends", "°", ".0f"),
-    Quantity("groups", "groups of touching balls, at most", "", "s"),
-    Quantity("variation", "variation of groove torque, from step 2", "%", ".1f"),
-    Quantity("torque", "mean groove torque", "N mm", ".2f"),
-    Quantity("steps", "time steps converged", "", "s"),
+    TableColumn("assumption", "assumption", "", "s"),
+    TableColumn("value", "value", "", "s"),
+    TableColumn("largest", "largest ball-to-ball over groove torque", "%", ".1f"),
+    TableColumn("at", "nut angle of the largest", "°", ".0f"),
+    TableColumn("none_at", "nut angle where contact ends", "°", ".0f"),
+    TableColumn("groups", "groups of touching balls, at most", "", "s"),
+    TableColumn("variation", "variation of groove torque, from step 2", "%", ".1f"),
+    TableColumn("torque", "mean groove torque", "N mm", ".2f"),
+    TableColumn("steps", "time steps converged", "", "s"),
 )
 
 
-def simulation_row(label: str, value: str, history: TravelHistory) -> Row:
+def simulation_result_row(label: str, assumed_value: str, history: TravelHistory) -> Row:
     """Return the table row, with columns `RUN`, of the results of one simulation of the whole screw.
 
-    ``label``: name of the assumption that is varied; ``value``: the assumption in words; ``history``: motions and torques
-    at each time step.
+    ``label``: name of the assumption that is varied; ``assumed_value``: the assumption in words; ``history``: motions and
+    torques at each time step.
     """
-    s: RunSummary = summarise_history(history)
-    touches = s.largest > 0.0
-    at, none_at = s.at if touches else None, s.none_at if touches and np.isfinite(s.none_at) else None
+    s: ScrewRunSummary = summarise_screw_run(history)
+    touches = s.largest_ball_to_groove_ratio > 0.0
+    at, none_at = (
+        s.nut_angle_of_largest_ratio if touches else None,
+        s.nut_angle_without_contact if touches and np.isfinite(s.nut_angle_without_contact) else None,
+    )
     torque, steps = (
-        1e3 * float(torque_after_first_step(history).mean()),
+        1e3 * float(groove_torque_after_first_step(history).mean()),
         f"{int(history.converged.sum())} of {history.converged.size}",
     )
     values = (
         label,
-        value,
-        100.0 * s.largest,
+        assumed_value,
+        100.0 * s.largest_ball_to_groove_ratio,
         at,
         none_at,
-        s.groups,
+        s.most_touching_groups,
         100.0 * relative_groove_torque_variation(history),
         torque,
         steps,
@@ -738,8 +784,13 @@ def simulation_row_by_lin_method(run: Run) -> Row:
     later = np.flatnonzero(~touching.any(axis=1) & (np.arange(angle.size) > top))
     torque, none_at = r.groove_torque[1:], float(angle[later[0]]) if later.size else None
     overlap = 100.0 * r.largest_overlap / run.groove.pair.spacing
-    value = f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size"
-    spread, steps = 100.0 * float(np.ptp(torque) / torque.mean()), f"{len(r.status) - r.failures} of {len(r.status)}"
+    value = (
+        f"as the case study, 3°; balls overlap in {r.overlapping_step_count} steps, by up to {overlap:.1f} % of their size"
+    )
+    spread, steps = (
+        100.0 * float(np.ptp(torque) / torque.mean()),
+        f"{len(r.status) - r.failed_step_count} of {len(r.status)}",
+    )
     first = SOURCE_RULE, value, 100.0 * float(ratio[top]), float(angle[top]), none_at
     values = *first, int(np.max(count_touching_groups(touching))), spread, 1e3 * float(torque.mean()), steps
     return dict(zip(RUN, values, strict=True))
@@ -753,12 +804,16 @@ def simulation_sensitivity_rows() -> list[Row]:
     """
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        simulation_row(AS_CASE, f"{n}, {inferred_oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a))
+        simulation_result_row(
+            AS_CASE, f"{n}, {inferred_oversize_in_words()}, {simulate_screw(a).steps} steps", simulate_screw(a)
+        )
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
     rows.append(simulation_row_by_lin_method(source_cases.simulation_inputs_of_section_3_4_4()))
     rows += [
-        simulation_row(name, value, simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**(SHORT | new))))
+        simulation_result_row(
+            name, value, simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**(SHORT | new)))
+        )
         for name, value, new in simulation_input_variations()
     ]
     return rows
@@ -800,39 +855,42 @@ def bearing_torque_rows() -> list[Row]:
     rows = list[Row]()
     for bearing, label, case in bearings_under_varied_assumptions():
         found = torque_over_force_angles(case, ANGLES)
-        torque = Quantity("torque", "torque at 0°", "N mm", ".1f")
+        torque = TableColumn("torque", "torque at 0°", "N mm", ".1f")
         row: Row = {"bearing": bearing, "assumption": label, torque: 1e3 * float(found.torque[0])}
         row |= {
-            Quantity(f"to_{end:g}", f"largest/smallest torque, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
+            TableColumn(f"to_{end:g}", f"largest/smallest torque, 0 to {end:g}°", "", ".3f"): largest_over_smallest_torque(
                 found, end
             )
             for end in ENDS
         }
         upto = found.angle <= radians(18.0) * (1.0 + 1e-12)
         status = "converged" if found.converged.all() else "not converged"
-        four = Quantity("four", "balls beyond two contacts, to 18°", "", "s")
-        rows.append(row | {four: int(found.four[upto].max()), "status": status})
+        four = TableColumn("four", "balls beyond two contacts, to 18°", "", "s")
+        rows.append(row | {four: int(found.balls_beyond_two_contacts[upto].max()), "status": status})
     return rows
 
 
-def ball_contact_onset_rows(study: Study) -> list[Row]:
+def ball_contact_onset_rows(cache: SceneResultCache) -> list[Row]:
     """Return table rows of the nut angle at which neighbouring balls first touch: section 4.3.2 of Lin's thesis.
 
-    There is one row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved
+    There is one row for each kind of geometric error and each velocity of unloaded balls. ``cache``: gives the solved
     scenes.
     """
     rows = list[Row]()
     for errors in SCREWS:
         for idle in IDLE:
-            o = compute_ball_contact_onset(study, errors, idle)
-            meet, first = int(np.isfinite(o.meeting).sum()), degrees(o.first) if np.isfinite(o.first) else None
+            o = compute_ball_contact_onset(cache, errors, idle)
+            meet, first = (
+                int(np.isfinite(o.rotation_to_meeting).sum()),
+                degrees(o.rotation_to_first_meeting) if np.isfinite(o.rotation_to_first_meeting) else None,
+            )
             rows.append(
                 {
                     "errors": errors,
-                    Quantity("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
-                    Quantity("lost", "balls without load", "", "s"): int((o.loaded == 0.0).sum()),
-                    Quantity("meet", "neighbours that close in", "", "s"): f"{meet} of {o.meeting.size}",
-                    Quantity("first", "nut angle of the first contact", "°", "g4"): first,
+                    TableColumn("idle", "speed of unloaded balls over nominal", "", "g2"): idle,
+                    TableColumn("lost", "balls without load", "", "s"): int((o.contact_load_sums == 0.0).sum()),
+                    TableColumn("meet", "neighbours that close in", "", "s"): f"{meet} of {o.rotation_to_meeting.size}",
+                    TableColumn("first", "nut angle of the first contact", "°", "g4"): first,
                     "status": "converged" if o.converged else "not converged",
                 }
             )

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
-from rollbench.compare.scenes.friction_kinds.common import KindScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewSimulationScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run
@@ -29,7 +29,7 @@ LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-
 BEARINGS = "lin-bearing-pairs"
 
 
-def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
+def rotary_ball_scene(name: str, *, printed: bool = False) -> BearingBallScene:
     """Return the scene of one ball of the rotary bearing in a case of Lin's Table 3.2.
 
     ``name``: case "I", "II" or "III"; ``printed``: whether with the Hertz constants and the friction law that Lin used.
@@ -37,7 +37,7 @@ def rotary_scene(name: str, *, printed: bool = False) -> BearingBallScene:
     return shipped_scene_of_kind(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
-def linear_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
+def linear_ball_pair_scene(name: str = LINEAR_PAIR) -> LinearPairScene:
     """Return a scene of two neighbouring balls in the linear bearing of Lin's Table 3.3; ``name``: name of the scene."""
     return shipped_scene_of_kind(name, LinearPairScene)
 
@@ -51,15 +51,17 @@ def printed_friction_slope() -> float:
     return printed_value("lin-G", "k_f")
 
 
-def stored_rolling_results_in_3d(study: Study, name: str) -> Mapping[str, float]:
+def stored_rolling_results_in_3d(cache: SceneResultCache, name: str) -> Mapping[str, float]:
     """Return the results of a scene by the 3D rolling model on its finest stored grid.
 
-    The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``study``: gives
+    The keys are quantities with unit, such as "force 1-2 N". The mapping is empty if no result is stored. ``cache``: gives
     the folders of stored results; ``name``: name of the scene.
     """
-    from rollbench.compare.studies.rolling.runs import LEVELS, load_run
+    from rollbench.compare.studies.rolling.runs import LEVELS, load_rolling_run
 
-    run = load_run(shipped_scene_of_kind(name, KindScene), max(LEVELS), study.stores or (shipped_store(),))
+    run = load_rolling_run(
+        shipped_scene_of_kind(name, FrictionScene), max(LEVELS), cache.reference_folders or (shipped_store(),)
+    )
     return {} if run is None else run.values
 
 
@@ -68,7 +70,7 @@ def screw_pair_as_printed(theta: float | None = None) -> Pair:
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
-    return _replace_theta(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
+    return _replace_second_angle_deviation(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).ball_pair, theta)
 
 
 def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
@@ -77,17 +79,19 @@ def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
     The oversize is not printed. ``theta``: deviation of the second ball's contact angle [rad], if it differs from the
     scene's.
     """
-    return _replace_theta(shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
+    return _replace_second_angle_deviation(
+        shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).ball_pair, theta
+    )
 
 
-def _replace_theta(pair: Pair, theta: float | None) -> Pair:
+def _replace_second_angle_deviation(pair: Pair, theta: float | None) -> Pair:
     """Return the ball pair with ``theta``, the second ball's deviation of the contact angle [rad], unless it is None."""
     return pair if theta is None else replace(pair, theta=(pair.theta[0], theta))
 
 
 def second_ball_angle_deviation(name: str) -> float:
     """Return the deviation of the second ball's contact angle [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
-    return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
+    return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).ball_pair.theta[1]
 
 
 def inferred_oversize() -> float:
@@ -108,15 +112,15 @@ def simulation_inputs_of_section_3_4_4(**changes: object) -> Run:
 
     Theta is the deviation of the contact angles from nominal. ``changes``: new values of fields of `Run`, by name.
     """
-    return replace(shipped_simulation_inputs(3.0), **changes)  # type: ignore[arg-type]
+    return replace(simulation_inputs_by_theta_amplitude(3.0), **changes)  # type: ignore[arg-type]
 
 
-def shipped_simulation_inputs(theta_amplitude: float) -> Run:
+def simulation_inputs_by_theta_amplitude(theta_amplitude: float) -> Run:
     """Return the inputs of the whole-screw simulation of section 3.4.4 of Lin's thesis.
 
     ``theta_amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
-    return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewRunScene).run
+    return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewSimulationScene).simulation
 
 
 def four_point_and_double_row_scene() -> BearingPairScene:

@@ -9,10 +9,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.results.load_curve import LoadCurve, compute_load_curve, read_load_range
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.statics.result import AxisResult
@@ -60,7 +60,7 @@ def arrange_balls_in_pattern(scene: Scene, pattern: str) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=ball_azimuths(scene, pattern)))
 
 
-def solve_axial_lash(scene: Scene, loads: str = ENDS, restrained: Sequence[str] = TURNING) -> LoadCurve:
+def solve_axial_lash_test(scene: Scene, loads: str = ENDS, restrained: Sequence[str] = TURNING) -> LoadCurve:
     """Solve the axial lash test of a ball screw: axial displacement over an axial load that reverses.
 
     Parameters
@@ -75,8 +75,8 @@ def solve_axial_lash(scene: Scene, loads: str = ENDS, restrained: Sequence[str] 
     return _solve_lash_test(scene, f"{loads}:0mm", restrained)
 
 
-def solve_conical_lash(
-    scene: Scene, direction: float, reach: float, loads: str = ENDS, restrained: Sequence[str] = TURNING
+def solve_conical_lash_test(
+    scene: Scene, direction: float, force_distance: float, loads: str = ENDS, restrained: Sequence[str] = TURNING
 ) -> LoadCurve:
     """Solve the conical lash test of a ball screw: lateral displacement over a lateral load that reverses.
 
@@ -86,14 +86,14 @@ def solve_conical_lash(
         The screw.
     direction
         Direction of the lateral load [rad].
-    reach
+    force_distance
         Distance of the load to the right of the nut's centre [m].
     loads
         Lateral loads, in the form of ``rollbench solve --curve``.
     restrained
         Names of the freedoms that are restrained at the left end, such as "rz".
     """
-    return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + reach!r}m", restrained)
+    return _solve_lash_test(scene, f"{loads}:{direction!r}rad:{scene.nut.position + force_distance!r}m", restrained)
 
 
 def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -> LoadCurve:
@@ -103,10 +103,10 @@ def _solve_lash_test(scene: Scene, load_range: str, restrained: Sequence[str]) -
     ``rollbench solve --curve``; ``restrained``: freedoms that are restrained at the screw's left end, such as "rz".
     """
     scene = replace(scene, supports=(Support(0.0, tuple((name, 0.0) for name in restrained)),))
-    return compute_load_curve(scene, read_load_range(load_range), "lin", Options(engine="compiled"))
+    return compute_load_curve(scene, read_load_range(load_range), "lin", ModelOptions(engine="compiled"))
 
 
-def peak_to_peak(test: LoadCurve) -> float:
+def peak_to_peak_displacement(test: LoadCurve) -> float:
     """Return the lash of a ball screw [m]: its displacement between both ends of the load range of a lash test.
 
     ``test``: load curve of the test. Raises ValueError if there is no equilibrium at an end of the load range.
@@ -126,29 +126,35 @@ def relative_range_percent(values: list[float]) -> float:
 
 
 @dataclass(frozen=True)
-class LashDifferences:
+class RelativeLashDifferences:
     """Relative differences [%] of the lash of one ball screw between four patterns of its balls.
 
     ``axial``: difference in the axial test; ``conical``: differences in the conical test (lateral force), one for each
     direction of the force in `DIRECTIONS`.
     """
 
-    axial: float
-    conical: tuple[float, ...]
+    axial_percent: float
+    conical_percent: tuple[float, ...]
 
 
-def lash_differences(scene: Scene, reach: float, restrained: Sequence[str] = TURNING) -> LashDifferences:
+def lash_differences(scene: Scene, force_distance: float, restrained: Sequence[str] = TURNING) -> RelativeLashDifferences:
     """Return the relative differences of a ball screw's lash between its ball patterns, by the axial and the conical test.
 
-    ``scene``: the ball screw; ``reach``: distance of the lateral force from the nut's centre [m]; ``restrained``: freedoms
-    that are restrained at the screw's left end, such as "rz".
+    ``scene``: the ball screw; ``force_distance``: distance of the lateral force from the nut's centre [m]; ``restrained``:
+    freedoms that are restrained at the screw's left end, such as "rz".
     """
     screws = [arrange_balls_in_pattern(scene, p) for p in PATTERNS]
     cones = [
-        [peak_to_peak(solve_conical_lash(s, float(d), reach, restrained=restrained)) for s in screws] for d in DIRECTIONS
+        [
+            peak_to_peak_displacement(solve_conical_lash_test(s, float(d), force_distance, restrained=restrained))
+            for s in screws
+        ]
+        for d in DIRECTIONS
     ]
-    return LashDifferences(
-        relative_range_percent([peak_to_peak(solve_axial_lash(s, restrained=restrained)) for s in screws]),
+    return RelativeLashDifferences(
+        relative_range_percent(
+            [peak_to_peak_displacement(solve_axial_lash_test(s, restrained=restrained)) for s in screws]
+        ),
         tuple(map(relative_range_percent, cones)),
     )
 
@@ -164,7 +170,7 @@ RACK_FORCE, REACH = 14500.0, 0.3
 TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
-def steering_gear() -> Assembly:
+def shipped_steering_gear() -> Assembly:
     """Return the scene of Lin's steering gear, which is included with rollbench: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
@@ -172,17 +178,17 @@ def steering_gear() -> Assembly:
     return found
 
 
-def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
+def solve_at_tie_rod_angle(gear: Assembly, angle: float, *, side_forces_opposed: bool = False) -> AxisResult:
     """Solve the steering gear under half of the rack force at each end of the rack, at one angle of both tie rods.
 
-    ``angle``: angle between tie rod and rack [deg]; ``opposed``: whether the lateral forces of both tie rods have
-    opposite directions.
+    ``angle``: angle between tie rod and rack [deg]; ``side_forces_opposed``: whether the lateral forces of both tie rods
+    have opposite directions.
     """
     t = np.radians(angle)
-    sides = (1.0, -1.0 if opposed else 1.0)
+    sides = (1.0, -1.0 if side_forces_opposed else 1.0)
     forces = [(side * 0.5 * RACK_FORCE * float(np.sin(t)), 0.0, 0.5 * RACK_FORCE * float(np.cos(t))) for side in sides]
     loads = tuple(replace(x, force=f) for x, f in zip(gear.loads, forces, strict=True))
-    return run_model(replace(gear, loads=loads), "lin", Options(engine="compiled"))
+    return run_model(replace(gear, loads=loads), "lin", ModelOptions(engine="compiled"))
 
 
 def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
@@ -194,26 +200,26 @@ def largest_screw_and_bearing_loads(result: AxisResult) -> tuple[float, float]:
     return screw, bearing
 
 
-def solve_load_ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
+def load_ratios_at_18_degrees(gear: Assembly, *, side_forces_opposed: bool = False) -> tuple[float, float]:
     """Return the load ratio of the steering gear's ball screw, then that of its bearing, for tie-rod angles 18 and 0 deg.
 
-    A load ratio is the largest contact load at 18 deg over that at 0 deg. ``gear``: the steering gear; ``opposed``: whether
-    the lateral forces of both tie rods have opposite directions.
+    A load ratio is the largest contact load at 18 deg over that at 0 deg. ``gear``: the steering gear;
+    ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions.
     """
     low, high = (
         largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 0.0)),
-        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 18.0, opposed=opposed)),
+        largest_screw_and_bearing_loads(solve_at_tie_rod_angle(gear, 18.0, side_forces_opposed=side_forces_opposed)),
     )
     return high[0] / low[0], high[1] / low[1]
 
 
-def section_4_2(findings: Findings, study: Study) -> None:
+def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute lash and contact loads of the steering gear: Table 4.1, sections 4.2.1 and 4.2.2 of Lin's thesis.
 
     ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``study``: gives the scenes included with rollbench.
+    ``cache``: gives the scenes included with rollbench.
     """
-    scene = study.scene(SCREW)
+    scene = cache.built_in_scene(SCREW)
     material = scene.balls.material
     given = {
         "length": 1e3 * scene.screw.length,
@@ -229,53 +235,56 @@ def section_4_2(findings: Findings, study: Study) -> None:
         "nu": material.poissons_ratio,
     }
     findings.numbers(given)
-    _compute_lash(findings, study)
+    _compute_lash(findings, cache)
     _compute_load_ratios(findings)
 
 
-def _compute_lash(findings: Findings, study: Study) -> None:
+def _compute_lash(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the relative differences of lash between ball patterns: section 4.2.1 of Lin's thesis.
 
-    ``study``: gives the scenes included with rollbench; ``findings``: receives the results.
+    ``cache``: gives the scenes included with rollbench; ``findings``: receives the results.
     """
-    found = lash_differences(study.scene(SCREW), REACH)
-    by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
+    found = lash_differences(cache.built_in_scene(SCREW), REACH)
+    by_direction = ", ".join(f"{x:.1f}" for x in found.conical_percent)
     words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
-    findings.number("axial", found.axial, "screw kept from turning only")
-    findings.number("conical", max(found.conical), words)
-    findings.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
+    findings.add_number("axial", found.axial_percent, "screw kept from turning only")
+    findings.add_number("conical", max(found.conical_percent), words)
+    findings.add_claim(
+        "robust", found.axial_percent < min(found.conical_percent), f"{found.axial_percent:.1f} % against {by_direction} %"
+    )
 
 
-def _compute_load_ratios(findings: Findings) -> None:
+def _compute_load_ratios(findings: ComputedEntryValues) -> None:
     """Compute contact loads of the steering gear's ball screw and bearing over the tie-rod angle: Lin's section 4.2.2.
 
     ``findings``: receives the results.
     """
-    gear = steering_gear()
+    gear = shipped_steering_gear()
     results = [solve_at_tie_rod_angle(gear, angle) for angle in TIE_ROD]
     loads = np.array([largest_screw_and_bearing_loads(r) for r in results])
     bands = load_ratio_ranges(gear)
     for k, key in enumerate(("screw", "bearing")):
         by_input = "; ".join(
-            f"{b.changed} {_range_in_words(getattr(b, key), findings.printed(f'ratio_{key}'))}" for b in bands
+            f"{b.changed_input} {_load_ratio_range_in_words(getattr(b, key), findings.printed(f'ratio_{key}'))}"
+            for b in bands
         )
-        findings.number(
+        findings.add_number(
             f"ratio_{key}", float(loads[-1, k] / loads[0, k]), f"over what is not printed, one at a time: {by_input}"
         )
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, TIE_ROD, strict=True))
-    findings.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
-    even, ring = (_nonzero_loads(results[0], i) for i in range(2))
-    findings.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
-    tilted = _nonzero_loads(results[-1], 0)
+    findings.add_claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
+    even, ring = (_nonzero_contact_loads(results[0], i) for i in range(2))
+    findings.add_claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
+    tilted = _nonzero_contact_loads(results[-1], 0)
     low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
     words = (
         f"{even.min():.0f} to {even.max():.0f} N, {low:.2f} to {high:.2f} of the mean, scatter "
         f"{100.0 * even.std() / even.mean():.0f} %; at 18 deg up to {tilted.max() / tilted.mean():.2f} of it"
     )
-    findings.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
+    findings.add_claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
 
 
-def _range_in_words(band: tuple[float, float], printed: float) -> str:
+def _load_ratio_range_in_words(band: tuple[float, float], printed: float) -> str:
     """Return in words the range of a load ratio, and whether it contains the printed value; ``band``: its two ends."""
     return f"{band[0]:.2f} to {band[1]:.2f} ({'holds' if range_contains(band, printed) else 'without'} it)"
 
@@ -285,11 +294,11 @@ def range_contains(band: tuple[float, float], printed: float) -> bool:
     return band[0] - 0.005 <= printed <= band[1] + 0.005
 
 
-def _nonzero_loads(result: AxisResult, i: int) -> Array:
-    """Return the nonzero contact loads [N] of one part of the steering gear; ``i``: 0 for ball screw, 1 for bearing."""
-    balls = result.sets[i].balls
+def _nonzero_contact_loads(result: AxisResult, part: int) -> Array:
+    """Return the nonzero contact loads [N] of one part of the steering gear; ``part``: 0 for ball screw, 1 for bearing."""
+    balls = result.sets[part].balls
     if balls is None:
-        raise AssertionError(f"steering gear: no contact loads were computed for part {i} (0: ball screw, 1: bearing)")
+        raise AssertionError(f"steering gear: no contact loads were computed for part {part} (0: ball screw, 1: bearing)")
     return np.asarray(balls.load[balls.load > 0.0])
 
 
@@ -310,7 +319,7 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 
 
 @dataclass(frozen=True)
-class LashVariation:
+class LashDifferencesWithChangedInput:
     """Differences of the lash between ball patterns, with one input changed that Lin does not print for his lash tests.
 
     ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
@@ -318,15 +327,15 @@ class LashVariation:
     restraint of the screw's left end, a key of `RESTRAINTS`; ``found``: differences of the lash.
     """
 
-    changed: str
-    diameter: float
-    position: float
-    reach: float
-    restraint: str
-    found: LashDifferences
+    changed_input: str
+    screw_outer_diameter: float
+    nut_position: float
+    force_distance: float
+    left_end_restraint: str
+    differences: RelativeLashDifferences
 
 
-def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
+def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesWithChangedInput]:
     """Yield the differences of lash between ball patterns, with one input that Lin leaves open changed at a time.
 
     The first entry has the inputs of ``scene``. The lateral force stays on the longer side of the screw.
@@ -340,11 +349,11 @@ def vary_lash_inputs(scene: Scene) -> Iterator[LashVariation]:
     for changed, (diameter, position, reach, restraint) in cases:
         screw, nut = replace(scene.screw, outer_diameter=diameter), replace(scene.nut, position=position)
         found = lash_differences(replace(scene, screw=screw, nut=nut), reach, RESTRAINTS[restraint])
-        yield LashVariation(changed, diameter, position, reach, restraint, found)
+        yield LashDifferencesWithChangedInput(changed, diameter, position, reach, restraint, found)
 
 
 @dataclass(frozen=True)
-class LoadRatiosOfLayout:
+class GearLayoutLoadRatios:
     """Load ratios of the steering gear for one layout: largest contact load at 18 deg over that at 0 deg of the tie rods.
 
     ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
@@ -352,22 +361,22 @@ class LoadRatiosOfLayout:
     bearing from the nut's centre [m]; ``screw``, ``bearing``: load ratios of ball screw and bearing.
     """
 
-    pinion: float
-    hold: str
-    opposed: bool
-    offset: float
+    pinion_position: float
+    pinion_restraint: str
+    side_forces_opposed: bool
+    bearing_offset: float
     screw: float
     bearing: float
 
 
-def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) -> Assembly:
+def change_gear_layout(gear: Assembly, pinion: float, pinion_restraint: str, offset: float) -> Assembly:
     """Return a copy of the steering gear with another layout of pinion and bearing.
 
-    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
+    ``pinion``: axial position of the pinion [m]; ``pinion_restraint``: what the pinion restrains, a key of `PINION_HOLDS`;
     ``offset``: axial distance [m] by which the bearing is moved from the nut's centre.
     """
     (support,) = gear.supports
-    held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[hold]))
+    held = replace(support, at=pinion, fixed=tuple((name, 0.0) for name in PINION_HOLDS[pinion_restraint]))
     sets = []
     for s in gear.sets:
         at = s.position + offset
@@ -377,7 +386,7 @@ def change_gear_layout(gear: Assembly, pinion: float, hold: str, offset: float) 
     return replace(gear, supports=(held,), sets=tuple(sets))
 
 
-def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
+def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[GearLayoutLoadRatios]:
     """Yield the load ratios of the steering gear for every layout: largest contact load at 18 deg over that at 0 deg.
 
     The angles are those of the tie rods. A layout has a position and a restraint of the pinion, directions of both lateral
@@ -390,7 +399,9 @@ def load_ratios_of_all_layouts(gear: Assembly) -> Iterator[LoadRatiosOfLayout]:
             for offset in OFFSETS:
                 for pinion in PINIONS:
                     layout = change_gear_layout(gear, pinion, hold, offset)
-                    yield LoadRatiosOfLayout(pinion, hold, opposed, offset, *solve_load_ratios(layout, opposed=opposed))
+                    yield GearLayoutLoadRatios(
+                        pinion, hold, opposed, offset, *load_ratios_at_18_degrees(layout, side_forces_opposed=opposed)
+                    )
 
 
 @dataclass(frozen=True)
@@ -401,9 +412,9 @@ class LoadRatioRange:
     """
 
     #: Name of the input.
-    changed: str
+    changed_input: str
     #: Stated range of the input.
-    values: str
+    input_range: str
     #: Smallest and largest ratio of the ball screw.
     screw: tuple[float, float]
     #: Smallest and largest ratio of the bearing.
@@ -446,7 +457,7 @@ def _turn_balls(scene: Scene, angle: float) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=azimuths))
 
 
-def gears_with_open_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
+def gears_with_unprinted_inputs_varied(gear: Assembly) -> Iterator[tuple[str, str, list[tuple[Assembly, bool]]]]:
     """Yield each input that Lin does not print and that changes the steering gear's load ratios, with gears over its range.
 
     Each entry: name of the input; its range in words; list of gears, each with whether the lateral forces of both tie
@@ -503,13 +514,15 @@ def load_ratio_ranges(gear: Assembly) -> tuple[LoadRatioRange, ...]:
     with the usual inputs.
     """
     out = []
-    for changed, values, gears in gears_with_open_inputs_varied(gear):
-        screw, bearing = zip(*(solve_load_ratios(one, opposed=opposed) for one, opposed in gears), strict=True)
+    for changed, values, gears in gears_with_unprinted_inputs_varied(gear):
+        screw, bearing = zip(
+            *(load_ratios_at_18_degrees(one, side_forces_opposed=opposed) for one, opposed in gears), strict=True
+        )
         out.append(LoadRatioRange(changed, values, (min(screw), max(screw)), (min(bearing), max(bearing))))
     return tuple(out)
 
 
-def load_ratio_range_over_layouts(points: Sequence[LoadRatiosOfLayout]) -> LoadRatioRange:
+def load_ratio_range_over_layouts(points: Sequence[GearLayoutLoadRatios]) -> LoadRatioRange:
     """Return the range of the steering gear's load ratios over all layouts together; ``points``: ratios by layout."""
     screw, bearing = [p.screw for p in points], [p.bearing for p in points]
     words = "station, restraint, sense and bearing, each with each"

@@ -18,63 +18,63 @@ from rollbench.compare.cases.lin.evidence import chapter_2
 from rollbench.compare.cases.lin.evidence.chapter_2 import (
     SCREWS,
     TABLE_CONFORMITY,
+    balls_without_load,
     largest_over_smallest_load,
-    relative_load_deviation,
-    scenes_with_open_inputs_varied,
-    unloaded_ball_mask,
+    relative_standard_deviation_of_loads,
+    scenes_with_unprinted_inputs_varied,
 )
 from rollbench.compare.measure import error_percent, load_error
 from rollbench.compare.models.load_cases import solve_scene_with_results
-from rollbench.compare.models.registry import DEFAULT, Options
-from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.models.registry import DEFAULT, ModelOptions
+from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.results.scene_json import solved_case_json
 from rollbench.compare.results.view import collect_view_data
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel, lateral_displacement_curves
-from rollbench.compare.studies.members.ensemble import EnsembleResult, ensemble_of_study
-from rollbench.lowfi.as_source import solve_from_guess_or_load_steps
-from rollbench.lowfi.statics.contacts import error_free_hertz, printed_sides
+from rollbench.compare.studies.members.ensemble import RandomDrawsResult, cached_random_draws_of_scene
+from rollbench.lowfi.as_source import solve_lin_equations_with_fallback
+from rollbench.lowfi.statics.contacts import hertz_without_errors, misprinted_hertz_of_flanks
 from rollbench.lowfi.statics.result import StaticResult
 from rollbench.meshes.helix import lead_angle
 from rollbench.meshes.parts import SIDES, Errors, Scene
-from rollbench.reports.content import Figure, LoadedScrew, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, LoadedScrew, Panel, Row, Section, Series, Table, TableColumn, Text
 
 
-def reference_mesh_level_in_words(study: Study, name: str) -> str:
+def reference_mesh_level_in_words(cache: SceneResultCache, name: str) -> str:
     """Return in words the finest mesh level of a scene's stored 3D reference, such as "level 3", or "none stored".
 
-    ``study``: gives stored 3D references; ``name``: name of the scene.
+    ``cache``: gives stored 3D references; ``name``: name of the scene.
     """
-    found = study.reference(name)
+    found = cache.stored_reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 
-def end_support_table(study: Study) -> Table:
+def end_support_table(cache: SceneResultCache) -> Table:
     """Return the table of largest and smallest loads in Lin's case 3 for each interpretation of the right end's support.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     rows: list[Row] = []
     for reading in chapter_2.END_SUPPORTS:
         for name, first in (
-            (reading.plain, chapter_2.END_SUPPORTS[0].plain),
-            (reading.offset, chapter_2.END_SUPPORTS[0].offset),
+            (reading.scene_without_offset, chapter_2.END_SUPPORTS[0].scene_without_offset),
+            (reading.scene_with_offset, chapter_2.END_SUPPORTS[0].scene_with_offset),
         ):
             row: Row = {
                 "scene": name,
-                Quantity("held", "support at the right end", "", "s"): reading.label,
-                Quantity("text", "stated by Lin's text", "", "s"): "yes" if reading.of_text else "no",
-                Quantity("reference", "3D reference", "", "s"): reference_mesh_level_in_words(study, name),
+                TableColumn("held", "support at the right end", "", "s"): reading.restraint_in_words,
+                TableColumn("text", "stated by Lin's text", "", "s"): "yes" if reading.is_stated_by_text else "no",
+                TableColumn("reference", "3D reference", "", "s"): reference_mesh_level_in_words(cache, name),
             }
             for model, words in (("lin", "Lin's model"), (DEFAULT, "refined model")):
-                result = study.solve(name, model)
-                e = load_error(result.load, study.solve(first, model).load)
+                result = cache.solve_once(name, model)
+                e = load_error(result.load, cache.solve_once(first, model).load)
                 where = f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–"
                 row |= {
-                    Quantity(f"{model}_max", f"max, {words}", "N", ".1f"): float(result.load.max()),
-                    Quantity(f"{model}_min", f"min, {words}", "N", ".1f"): float(result.load.min()),
-                    Quantity(f"{model}_change", f"largest change, {words}", "% of mean", ".2f"): e.max_percent,
-                    Quantity(f"{model}_where", f"at ball, {words}", "", "s"): where,
+                    TableColumn(f"{model}_max", f"max, {words}", "N", ".1f"): float(result.load.max()),
+                    TableColumn(f"{model}_min", f"min, {words}", "N", ".1f"): float(result.load.min()),
+                    TableColumn(f"{model}_change", f"largest change, {words}", "% of mean", ".2f"): e.max_percent,
+                    TableColumn(f"{model}_where", f"at ball, {words}", "", "s"): where,
                 }
             rows.append(row)
     note = (
@@ -82,7 +82,7 @@ def end_support_table(study: Study) -> Table:
         "y-displacement, as the 3D reference does; whether it restrains rotations is open. Changes are against the first "
         "interpretation."
     )
-    return Table.of(
+    return Table.from_rows(
         "cases-readings",
         "Lin's case study 3: largest and smallest contact loads, by interpretation of the support at the right end",
         rows,
@@ -93,92 +93,94 @@ def end_support_table(study: Study) -> Table:
 # --- case studies 1, 2, 3 of Lin 2.4.1: contact loads, centreline, influence of modelling choices
 
 
-def model_choice_rows(found: Sequence[chapter_2.ModelChoice]) -> list[Row]:
+def model_choice_rows(found: Sequence[chapter_2.Case1WithModelChoice]) -> list[Row]:
     """Return the table rows of Lin's case 1, one for each modelling choice: loads, largest change, axial displacement.
 
     ``found``: results by modelling choice, the default first.
     """
     return [
         {
-            "choice": c.label,
-            Quantity("max", "max", "N", ".2f"): float(c.result.load.max()),
-            Quantity("min", "min", "N", ".2f"): float(c.result.load[:, 0].min()),
-            Quantity("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(c.result.load[:, 0]),
-            Quantity("error", "largest change", "% of mean", ".3f"): c.change.max_percent,
-            Quantity("rms", "RMS change", "% of mean", ".3f"): c.change.rms_percent,
-            Quantity("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.result.centreline[0, 2]),
-            "status": c.result.status,
+            "choice": c.choice_in_words,
+            TableColumn("max", "max", "N", ".2f"): float(c.solution.load.max()),
+            TableColumn("min", "min", "N", ".2f"): float(c.solution.load[:, 0].min()),
+            TableColumn("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(c.solution.load[:, 0]),
+            TableColumn("error", "largest change", "% of mean", ".3f"): c.load_change.max_percent,
+            TableColumn("rms", "RMS change", "% of mean", ".3f"): c.load_change.rms_percent,
+            TableColumn("uz", "axial displacement at the load", "µm", ".2f"): 1e6 * float(c.solution.centreline[0, 2]),
+            "status": c.solution.status,
         }
         for c in found
     ]
 
 
-def contact_loads_table(study: Study) -> Table:
+def contact_loads_table(cache: SceneResultCache) -> Table:
     """Return the table of the contact loads of all case studies, with a row for each ball and a column for each flank.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     rows: list[Row] = [{"ball": i + 1} for i in range(32)]
     for name in chapter_2.CASES:
-        r = study.solve(name)
+        r = cache.solve_once(name)
         short = name.removeprefix("lin-")
         for s in range(4):
             if not (r.load[:, s] > 0.0).any():
                 continue
-            load = Quantity(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
+            load = TableColumn(f"{short}-{SIDES[s]}", f"{short.replace('-', ' ')} {SIDES[s]}", "N", ".2f")
             for i, row in enumerate(rows):
                 row[load] = float(r.load[i, s])
-    return Table.of("cases-loads", "Lin's case studies: contact loads of every ball", rows)
+    return Table.from_rows("cases-loads", "Lin's case studies: contact loads of every ball", rows)
 
 
-def largest_and_smallest_loads_table(study: Study) -> Table:
+def largest_and_smallest_loads_table(cache: SceneResultCache) -> Table:
     """Return the table of largest and smallest load on each flank, balance of forces and residual, for all case studies.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     rows: list[Row] = []
     for name in chapter_2.CASES:
-        r = study.solve(name)
+        r = cache.solve_once(name)
         assert r.equilibrium is not None
         for s, side in enumerate(SIDES):
             load = r.load[:, s]
             if (load > 0.0).any():
                 rows.append(
                     {
-                        Quantity("case", "scene", "", "s"): name,
+                        TableColumn("case", "scene", "", "s"): name,
                         "side": side,
-                        Quantity("max", "max", "N", ".2f"): float(load.max()),
-                        Quantity("min", "min", "N", ".2f"): float(load.min()),
-                        Quantity("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(load),
-                        Quantity("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
-                        Quantity("residual", "residual", "", "g2"): r.solver.residual,
-                        Quantity("force", "force balance", "", "g2"): r.equilibrium.force_residual,
-                        Quantity("moment", "moment balance", "", "g2"): r.equilibrium.moment_residual,
+                        TableColumn("max", "max", "N", ".2f"): float(load.max()),
+                        TableColumn("min", "min", "N", ".2f"): float(load.min()),
+                        TableColumn("ratio", "max/min", "", ".4f"): chapter_2.largest_over_smallest_load(load),
+                        TableColumn("ball", "ball of max", "", "s"): int(load.argmax()) + 1,
+                        TableColumn("residual", "residual", "", "g2"): r.solver.residual,
+                        TableColumn("force", "force balance", "", "g2"): r.equilibrium.force_residual,
+                        TableColumn("moment", "moment balance", "", "g2"): r.equilibrium.moment_residual,
                         "status": r.status,
                     }
                 )
     note = "Force and moment balance: sum of loads, reactions and contact forces on the screw, over the largest force."
-    return Table.of(
+    return Table.from_rows(
         "cases-summary", "Lin's case studies: smallest and largest contact loads, and balance of forces", rows, note
     )
 
 
-def largest_opposite_load_difference(study: Study) -> float:
+def largest_difference_of_opposite_loads(cache: SceneResultCache) -> float:
     """Return the largest difference [N] between the loads of opposite contacts of a ball, over all balls and case studies.
 
-    Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``study``: gives the solved scenes.
+    Opposite contacts are SL and NR, and SR and NL (screw or nut, left or right). ``cache``: gives the solved scenes.
     """
-    return max(float(np.abs(study.solve(n).load[:, :2] - study.solve(n).load[:, :1:-1]).max()) for n in chapter_2.CASES)
+    return max(
+        float(np.abs(cache.solve_once(n).load[:, :2] - cache.solve_once(n).load[:, :1:-1]).max()) for n in chapter_2.CASES
+    )
 
 
-def case_study_figures(study: Study) -> tuple[Figure, ...]:
+def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
     """Draw contact loads of Lin's case studies 1 to 3 and the screw's centreline of cases 1 and 3.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
-    case1, mei, nut = (study.solve("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
-    coarse = study.solve(study.changed("lin-case1", partition="source", section="groove squared"))
-    case2 = study.solve("lin-case2")
+    case1, mei, nut = (cache.solve_once("lin-case1", m) for m in ("lin", "mei", "mei-nut"))
+    coarse = cache.solve_once(cache.scene_with_options("lin-case1", partition="source", section="groove squared"))
+    case2 = cache.solve_once("lin-case2")
     first = contact_load_panel(
         "case 1, SL = NR",
         contact_load_curve("low-order model", case1, 0, emphasis=True),
@@ -186,17 +188,18 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
         contact_load_curve("Mei, rigid nut", mei, 0),
         contact_load_curve("Mei, nut as a bar", nut, 0),
     )
-    title = f"case 2, SL = NR: {oversized_balls(study.scene('lin-case2'))}"
+    title = f"case 2, SL = NR: {oversized_balls_in_words(cache.built_in_scene('lin-case2'))}"
     second = contact_load_panel(
         title, contact_load_curve("case 2", case2, 0, emphasis=True), contact_load_curve("case 1", case1, 0)
     )
     panels = []
     for reading in chapter_2.END_SUPPORTS:
-        plain, offset = study.solve(reading.plain), study.solve(reading.offset)
-        moved = f"offset {1e6 * prescribed_displacement(study.scene(reading.offset)):g} µm"
+        plain, offset = cache.solve_once(reading.scene_without_offset), cache.solve_once(reading.scene_with_offset)
+        moved = f"offset {1e6 * largest_prescribed_displacement(cache.built_in_scene(reading.scene_with_offset)):g} µm"
         panels.append(
             contact_load_panel(
-                f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
+                f"case 3, {reading.restraint_in_words} at the right end"
+                + (" (as the text says)" if reading.is_stated_by_text else ""),
                 contact_load_curve(f"SL, {moved}", offset, 0, emphasis=True),
                 contact_load_curve("SL, no offset", plain, 0),
                 contact_load_curve(f"SR, {moved}", offset, 1, emphasis=True),
@@ -210,7 +213,7 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
         *axes,
         (*lateral_displacement_curves(case1.centreline_z, case1.centreline), straight),
     )
-    three = study.solve("lin-case3-offset")
+    three = cache.solve_once("lin-case3-offset")
     bend = Panel("case 3 with offset", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
     return (
         Figure("cases-12", "Lin's case studies 1 and 2: contact load over the ball's number", (first, second)),
@@ -219,18 +222,18 @@ def case_study_figures(study: Study) -> tuple[Figure, ...]:
             "Lin's case study 3: contact load over the ball's number, by interpretation of the support at the right end",
             tuple(panels),
             "Opposite contacts (SL and NR, SR and NL) have equal loads within "
-            f"{largest_opposite_load_difference(study):.2f} N.",
+            f"{largest_difference_of_opposite_loads(cache):.2f} N.",
         ),
         Figure("cases-centreline", "Lin's case studies 1 and 3: displacement of the screw's centreline", (line, bend)),
     )
 
 
-def oversized_balls(scene: Scene) -> str:
+def oversized_balls_in_words(scene: Scene) -> str:
     """Return in words which balls of a scene are oversized, and by how much."""
     return "; ".join(f"ball {ball} oversized by {1e6 * radius:g} µm" for ball, radius in scene.errors.balls.listed)
 
 
-def prescribed_displacement(scene: Scene) -> float:
+def largest_prescribed_displacement(scene: Scene) -> float:
     """Return the largest absolute displacement [m] that the supports of a scene prescribe."""
     return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
 
@@ -243,52 +246,52 @@ def loaded_screw_picture(scene: Scene, result: StaticResult, caption: str) -> Lo
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "Lin's case study 3, right end displaced: contact loads on the balls"
-    one = solve_scene_with_results(scene, result.model, Options(discretisation=False))
+    one = solve_scene_with_results(scene, result.model, ModelOptions(estimate_beam_mesh_error=False))
     view = collect_view_data(title, [one], solved_case_json(one))
     return LoadedScrew("loaded-screw", title, scene, result.load, *arrows, caption, view)
 
 
-def cases_section(study: Study, step: Callable[[str], None]) -> Section:
+def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on Lin's case studies 1, 2 and 3: contact loads and centreline of the screw.
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("cases 1, 2 and 3 by four models")
     step("case 1 under each modelling choice")
-    rows = model_choice_rows(study.compute_once(chapter_2.case_1_by_choice))
-    offset = study.solve("lin-case3-offset")
+    rows = model_choice_rows(cache.compute_once(chapter_2.solve_case_1_by_model_choice))
+    offset = cache.solve_once("lin-case3-offset")
     return Section(
         "cases",
         "Lin 2.4.1: contact loads in case studies 1, 2 and 3",
         (
-            *case_study_figures(study),
+            *case_study_figures(cache),
             loaded_screw_picture(
-                study.scene("lin-case3-offset"),
+                cache.built_in_scene("lin-case3-offset"),
                 offset,
                 "Arrows: contact loads on the four flanks. Colour of a ball: its largest contact load.",
             ),
-            largest_and_smallest_loads_table(study),
-            end_support_table(study),
-            Table.of(
+            largest_and_smallest_loads_table(cache),
+            end_support_table(cache),
+            Table.from_rows(
                 "cases-choices",
                 "Lin's case study 1: change of the contact loads by each modelling choice, and by each fault of the thesis",
                 rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
-            contact_loads_table(study),
+            contact_loads_table(cache),
             Text(
                 (
                     "The printed errors against ANSYS refer to loads that only a figure shows: section "
                     "reconstruction discusses where they may come from, section reference compares with "
                     "this project's own 3D reference. The printed ratio of case 1 is compared with the "
-                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range_in_words(study)}.",
+                    f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range_in_words(cache)}.",
                 )
             ),
         ),
     )
 
 
-def load_percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Series:
+def load_percentile_band(label: str, ensemble: RandomDrawsResult, side: int) -> Series:
     """Return the 5th to 95th percentile of the contact load of each ball over randomly drawn screws, as a band of a figure.
 
     ``label``: legend; ``ensemble``: results of the randomly drawn screws; ``side``: index of the flank in `SIDES`.
@@ -298,19 +301,19 @@ def load_percentile_band(label: str, ensemble: EnsembleResult, side: int) -> Ser
     return Series(label, balls, [float(x) for x in low], "band", [float(x) for x in high])
 
 
-def errors_section(study: Study, step: Callable[[str], None]) -> Section:
+def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on contact loads with geometric errors: section 2.4.2 of Lin's thesis.
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("profile and pitch errors")
-    base, profile, pitch = (study.solve(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
+    base, profile, pitch = (cache.solve_once(n) for n in ("lin-case1", "lin-profile", "lin-pitch"))
     ensembles = {}
     for name in ("lin-random", "lin-combined"):
-        step(f"{study.scene(name).members} drawn screws of {name}")
-        ensembles[name] = ensemble_of_study(study, name)
+        step(f"{cache.built_in_scene(name).members} drawn screws of {name}")
+        ensembles[name] = cached_random_draws_of_scene(cache, name)
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
-    one, all_three = study.solve("lin-random"), study.solve("lin-combined")
+    one, all_three = cache.solve_once("lin-random"), cache.solve_once("lin-combined")
     left = contact_load_panel(
         "one kind of error at a time, SL = NR",
         contact_load_curve("no errors (case 1)", base, 0, emphasis=True),
@@ -336,29 +339,29 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
             rows.append(
                 {
                     "scene": name,
-                    Quantity("members", "drawn screws", "", "s"): len(e.loads),
+                    TableColumn("members", "drawn screws", "", "s"): len(e.loads),
                     "side": SIDES[s],
-                    Quantity("low", "largest load, 5 %", "N", ".1f"): float(low),
-                    Quantity("mid", "median", "N", ".1f"): float(mid),
-                    Quantity("high", "95 %", "N", ".1f"): float(high),
-                    Quantity("ratio", "max/min, median", "", ".3f"): float(np.median(ratios)) if s == 0 else None,
-                    Quantity("lost", "unloaded balls, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
-                    Quantity("bad", "screws not converged", "", "s"): sum(x != "converged" for x in e.statuses),
+                    TableColumn("low", "largest load, 5 %", "N", ".1f"): float(low),
+                    TableColumn("mid", "median", "N", ".1f"): float(mid),
+                    TableColumn("high", "95 %", "N", ".1f"): float(high),
+                    TableColumn("ratio", "max/min, median", "", ".3f"): float(np.median(ratios)) if s == 0 else None,
+                    TableColumn("lost", "unloaded balls, mean", "", ".2f"): float((load == 0.0).sum(axis=1).mean()),
+                    TableColumn("bad", "screws not converged", "", "s"): sum(x != "converged" for x in e.statuses),
                 }
             )
     changes: list[Row] = []
     for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
-        r = study.solve(name)
+        r = cache.solve_once(name)
         e2 = load_error(r.load, base.load)
         changes.append(
             {
                 "scene": name,
-                Quantity("max", "largest load", "N", ".1f"): float(r.load.max()),
-                Quantity("ratio", "max/min on SL", "", ".3f"): largest_over_smallest_load(r.load[:, 0]),
-                Quantity("change", "largest change", "% of mean", ".2f"): e2.max_percent,
-                Quantity("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
-                Quantity("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
-                Quantity("third", "balls loaded on SR", "", "s"): int((r.load[:, 1] > 0).sum()),
+                TableColumn("max", "largest load", "N", ".1f"): float(r.load.max()),
+                TableColumn("ratio", "max/min on SL", "", ".3f"): largest_over_smallest_load(r.load[:, 0]),
+                TableColumn("change", "largest change", "% of mean", ".2f"): e2.max_percent,
+                TableColumn("rms", "RMS change", "% of mean", ".2f"): e2.rms_percent,
+                TableColumn("ball", "at ball", "", "s"): f"{e2.ball} {e2.side}",
+                TableColumn("third", "balls loaded on SR", "", "s"): int((r.load[:, 1] > 0).sum()),
             }
         )
     return Section(
@@ -372,12 +375,12 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
                 f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} and {len(combined.loads)} "
                 "random screws.",
             ),
-            Table.of(
+            Table.from_rows(
                 "errors-changes",
                 "Lin 2.4.2: change of the contact loads by each kind of geometric error, against case study 1",
                 changes,
             ),
-            Table.of(
+            Table.from_rows(
                 "errors-bands",
                 "Lin 2.4.2: largest contact load and number of unloaded balls of screws with random errors",
                 rows,
@@ -386,33 +389,33 @@ def errors_section(study: Study, step: Callable[[str], None]) -> Section:
     )
 
 
-def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
+def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the Hertz constants of Lin's Table B.1, as printed and correct.
 
-    ``study``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
+    ``cache``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
     """
     step("Table B.1")
-    case = study.scene("lin-case1")
+    case = cache.built_in_scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", case),
         ("Table B.1's groove, 0.56 x diameter", with_conformity(case, TABLE_CONFORMITY)),
     ]
     constants: list[Row] = []
     for label, scene in compared:
-        right, faulty = error_free_hertz(scene), printed_sides(scene)
+        right, faulty = hertz_without_errors(scene), misprinted_hertz_of_flanks(scene)
         for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
             C = float(right.C[side])
             constants.append(
                 {
                     "groove": label,
                     "side": name,
-                    Quantity("right", "C, correct", "m/N^(2/3)", "g5"): C,
-                    Quantity("faulty", "C, as printed", "m/N^(2/3)", "g5"): printed.C,
-                    Quantity("error", "as printed against correct", "%", ".1f"): float(error_percent(printed.C, C)),
-                    Quantity("approach", "approach", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
-                    Quantity("a", "semi-axis a", "mm", ".4f"): 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
-                    Quantity("b", "semi-axis b", "mm", ".4f"): 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
-                    Quantity("p0", "pole pressure", "MPa", ".1f"): 1e-6 * float(right.pressure(np.array(225.0))[side]),
+                    TableColumn("right", "C, correct", "m/N^(2/3)", "g5"): C,
+                    TableColumn("faulty", "C, as printed", "m/N^(2/3)", "g5"): printed.C,
+                    TableColumn("error", "as printed against correct", "%", ".1f"): float(error_percent(printed.C, C)),
+                    TableColumn("approach", "approach", "µm", ".3f"): 1e6 * C * 225.0 ** (2 / 3),
+                    TableColumn("a", "semi-axis a", "mm", ".4f"): 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
+                    TableColumn("b", "semi-axis b", "mm", ".4f"): 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
+                    TableColumn("p0", "pole pressure", "MPa", ".1f"): 1e-6 * float(right.pressure(np.array(225.0))[side]),
                 }
             )
     return Section(
@@ -427,7 +430,7 @@ def hertz_section(study: Study, step: Callable[[str], None]) -> Section:
                     "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
-            Table.of(
+            Table.from_rows(
                 "hertz-grooves",
                 "Hertz constant C, as printed and correct, for two groove radii; size and pressure of the contact under "
                 "225 N",
@@ -459,38 +462,38 @@ def equivalent_errors_panel(scene: Scene) -> Panel:
     )
 
 
-def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
+def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on contact loads with pitch and with roundness errors: section 4.3.2 of Lin's thesis.
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
-    panels = [equivalent_errors_panel(study.scene("lin-pitch-4p1"))]
+    panels = [equivalent_errors_panel(cache.built_in_scene("lin-pitch-4p1"))]
     rows: list[Row] = []
     for screw, label in SCREWS.items():
         step(f"pitch and roundness errors on the screw of {label}")
         curves = []
         for kind in ("pitch", "roundness"):
-            scene = study.scene(f"lin-{kind}-{screw}")
-            curves.append(contact_load_curve(f"{kind} error", study.solve(scene), 0, emphasis=True))
-            for reading, variant in scenes_with_open_inputs_varied(scene):
-                r = study.solve(variant)
+            scene = cache.built_in_scene(f"lin-{kind}-{screw}")
+            curves.append(contact_load_curve(f"{kind} error", cache.solve_once(scene), 0, emphasis=True))
+            for reading, variant in scenes_with_unprinted_inputs_varied(scene):
+                r = cache.solve_once(variant)
                 third = r.load[:, [1, 2]]
                 rows.append(
                     {
                         "screw": label,
                         "error": kind,
                         "reading": reading,
-                        Quantity("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
-                        Quantity("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
-                        Quantity("spread", "st. dev. / mean", "", ".3f"): relative_load_deviation(r),
-                        Quantity("lost", "balls without contact", "", "s"): int(unloaded_ball_mask(r).sum()),
-                        Quantity("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
-                        Quantity("third_max", "largest third contact", "N", ".1f"): float(third.max()),
+                        TableColumn("max", "max SL", "N", ".1f"): float(r.load[:, 0].max()),
+                        TableColumn("min", "min SL", "N", ".1f"): float(r.load[:, 0].min()),
+                        TableColumn("spread", "st. dev. / mean", "", ".3f"): relative_standard_deviation_of_loads(r),
+                        TableColumn("lost", "balls without contact", "", "s"): int(balls_without_load(r).sum()),
+                        TableColumn("third", "balls with a third contact", "", "s"): int((third > 0.0).any(axis=1).sum()),
+                        TableColumn("third_max", "largest third contact", "N", ".1f"): float(third.max()),
                         "status": r.status,
                     }
                 )
-        bare = replace(study.scene(f"lin-pitch-{screw}"), errors=Errors())
-        curves.append(contact_load_curve("no errors", study.solve(bare), 0))
+        bare = replace(cache.built_in_scene(f"lin-pitch-{screw}"), errors=Errors())
+        curves.append(contact_load_curve("no errors", cache.solve_once(bare), 0))
         panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
     return Section(
         "manufacturing",
@@ -503,7 +506,7 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                 "",
                 3,
             ),
-            Table.of(
+            Table.from_rows(
                 "manufacturing-readings",
                 "Contact loads with pitch or roundness errors (Lin 4.3.2), by assumption on inputs that are not printed",
                 rows,
@@ -514,7 +517,8 @@ def manufacturing_section(study: Study, step: Callable[[str], None]) -> Section:
                     "The conclusion holds: roundness error unloads balls and pitch error does not. One cycle per turn "
                     "of pitch error is nearly a tilt of the screw, which the screw can follow; two cycles per turn are "
                     "not. The statement that all balls stay in two-point contact does not hold without clearance: "
-                    f"a groove displaced by {printed_entry('lin-4.3.2', 'e_p').printed} µm touches balls on their "
+                    f"a groove displaced by {printed_entry('lin-4.3.2', 'e_p').number_as_printed} µm touches balls on "
+                    "their "
                     "unloaded side.",
                 )
             ),
@@ -535,42 +539,42 @@ SCENES = (
 )
 
 
-def solver_agreement_row(study: Study, name: str) -> Row:
+def solver_agreement_row(cache: SceneResultCache, name: str) -> Row:
     """Return the table row of a scene's load differences [% of mean load], Lin's Newton method against the energy solver.
 
-    The row also has the numbers of iterations. ``study``: gives the solved scenes; ``name``: name of the scene.
+    The row also has the numbers of iterations. ``cache``: gives the solved scenes; ``name``: name of the scene.
     """
-    scene, by_energy = study.scene(name), study.solve(name)
+    scene, by_energy = cache.built_in_scene(name), cache.solve_once(name)
     solver = by_energy.solver
     row: Row = {
         "scene": name,
-        Quantity("iterations", "iterations, energy solver", "", "s"): solver.iterations,
-        Quantity("residual", "residual", "", "g2"): solver.residual,
+        TableColumn("iterations", "iterations, energy solver", "", "s"): solver.iterations,
+        TableColumn("residual", "residual", "", "g2"): solver.residual,
     }
     kinds: tuple[tuple[Literal["arc", "source"], str, str, str], ...] = (
         ("arc", "difference, same equations", "g2", "iterations, Lin's Newton method"),
         ("source", "difference, Lin's own kinematics", "g3", "iterations, Lin's own kinematics"),
     )
     for kinematics, heading, form, counted in kinds:
-        by_source = solve_from_guess_or_load_steps(scene, kinematics)
-        off = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
-        row[Quantity(kinematics, heading, "% of mean", form)] = off
-        row[Quantity(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
+        by_source = solve_lin_equations_with_fallback(scene, kinematics)
+        off = load_error(by_energy.load, by_source.contact_loads).max_percent if by_source.converged else None
+        row[TableColumn(kinematics, heading, "% of mean", form)] = off
+        row[TableColumn(f"{kinematics}_iterations", counted, "", "s")] = by_source.iterations
     for arm, heading in (("nominal", "lever arm at the nominal contact"), ("ball", "force at the ball's axial position")):
-        frozen = study.solve(study.changed(name, arm=arm))
-        row[Quantity(arm, heading, "% of mean", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
-    return row | {Quantity("source_status", "status of Lin's Newton method", "", "s"): by_source.status}
+        frozen = cache.solve_once(cache.scene_with_options(name, arm=arm))
+        row[TableColumn(arm, heading, "% of mean", ".3f")] = load_error(frozen.load, by_energy.load).max_percent
+    return row | {TableColumn("source_status", "status of Lin's Newton method", "", "s"): by_source.status}
 
 
-def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
+def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on two solvers and two kinematic forms of Lin's static model.
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     rows = []
     for name in SCENES:
         step(f"both solvers on {name}")
-        rows.append(solver_agreement_row(study, name))
+        rows.append(solver_agreement_row(cache, name))
     return Section(
         "formulations",
         "Lin's static model: the same contact loads by his Newton method and by energy minimisation",
@@ -587,7 +591,7 @@ def formulations_section(study: Study, step: Callable[[str], None]) -> Section:
                     "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",
                 )
             ),
-            Table.of(
+            Table.from_rows(
                 "formulations-agreement",
                 "Difference of contact loads between Lin's Newton method and the energy solver, by scene",
                 rows,

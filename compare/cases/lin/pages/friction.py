@@ -23,8 +23,8 @@ from rollbench.compare.cases.lin.evidence.rotary_linear import (
     VERTICAL,
     linear_pair_sensitivity_rows,
     power_balance_rows,
-    solve_rotary,
-    solve_rotary_as_printed,
+    solve_rotary_ball,
+    solve_rotary_ball_as_printed,
 )
 from rollbench.compare.cases.lin.evidence.source_cases import (
     LINEAR_PAIR,
@@ -35,15 +35,15 @@ from rollbench.compare.cases.lin.evidence.source_cases import (
     screw_pair_with_inferred_oversize,
     simulation_inputs_of_section_3_4_4,
 )
-from rollbench.compare.cases.lin.extremes import extreme_pair_rows, root_finding_rows
+from rollbench.compare.cases.lin.extremes import extreme_linear_pair_rows, root_finding_rows
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_entry, printed_value
 from rollbench.compare.sections.curves import scale_to_python_floats
-from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, TorqueCurve, solve_ball_over_displacements
-from rollbench.lowfi.friction.linear.chain import ModelAndFormula, PairResultsOverGrid, pair_results_over_grid
+from rollbench.lowfi.friction.bearing import SIDES, BearingBallSolution, BearingTorqueCurve, solve_ball_over_displacements
+from rollbench.lowfi.friction.linear.chain import LinearPairResultsOverGrid, ModelAndFormula, pair_results_over_grid
 from rollbench.lowfi.friction.screw.motion import Coupling
-from rollbench.lowfi.friction.screw.run import Run, contact_angle_deviation, summarise_history
+from rollbench.lowfi.friction.screw.run import Run, contact_angle_deviation, summarise_screw_run
 from rollbench.lowfi.friction.screw.travel import TravelHistory
 from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Figure, Panel, Section, Series, Table, Text
@@ -56,7 +56,7 @@ def power_balance_table() -> Table:
 
     Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
     """
-    table = Table.of(
+    table = Table.from_rows(
         "friction-balance",
         "Rotary bearing (Lin 3.2): power input and friction losses, by friction model",
         power_balance_rows(),
@@ -78,7 +78,7 @@ def linear_pair_sensitivity_table() -> Table:
     The assumptions are on the contact loads and on the friction between the balls.
     """
     printed = printed_entry("lin-3.5", "a_force_numerical")
-    table = Table.of(
+    table = Table.from_rows(
         "friction-sensitivity",
         "Two balls of a linear bearing (Lin 3.3): ball-to-ball force and losses, by assumption on the contact loads",
         linear_pair_sensitivity_rows(),
@@ -86,11 +86,11 @@ def linear_pair_sensitivity_table() -> Table:
     target = printed.value or 0.0
     forces = [float(row["force"] or 0.0) for row in table.rows]
     inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
-    deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
+    deviations = " and ".join(f"{printed_entry('lin-3.4', f'a_eps{k}_numerical').number_as_printed} %" for k in (1, 2))
     note = (
         "Loads: diagonal (equal at both contacts of each diagonal, as Lin's text says before (3.54)), balanced (in "
         "equilibrium at the stated contact angles), or elastic (contact angles follow the loads). The printed force of "
-        f"{printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"{printed.number_as_printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
         f"{max(forces):.2f} N; Table 3.4 prints velocity deviations of {deviations} for the same case."
     )
     return replace(table, note=note)
@@ -105,10 +105,10 @@ def solver_residuals_table() -> Table:
     The last columns are the energy error and the difference of the ball-to-ball force between several starts of the solver.
     """
     note = "Contact angles follow the loads. Residual and difference are divided by the largest friction force on a ball."
-    return Table.of(
+    return Table.from_rows(
         "friction-stability",
         "Two balls of a linear bearing: residuals and energy error of the friction solver on extreme cases",
-        extreme_pair_rows(),
+        extreme_linear_pair_rows(),
         note,
     )
 
@@ -122,7 +122,7 @@ def root_finding_table() -> Table:
         "Contact loads with Lin's Hertz constants; k_S: sharpness of his sigmoid friction law, here without interpolation "
         "in maps. Least dissipation succeeds if it finds the minimum of the loss; it uses Coulomb friction for all k_S."
     )
-    return Table.of(
+    return Table.from_rows(
         "friction-roots",
         "Rotary bearing: random starts from which root finding and least dissipation find the motion of the ball",
         root_finding_rows(),
@@ -146,20 +146,20 @@ def rotary_bearing_torque_figure() -> Figure:
     laws = (("correct", true, np.ones(u.size, dtype=bool)), ("as printed", printed, good))
 
     def curves_of_quantity(
-        pick: Callable[[BearingBallSolution], float], key: str, factor: float = 1.0
+        quantity_of_solution: Callable[[BearingBallSolution], float], key: str, factor: float = 1.0
     ) -> tuple[Series, ...]:
         """Return curves of a quantity by the correct and the printed friction law, and markers of the values in Table 3.2.
 
-        ``pick``: function that returns the quantity from a ball's solution; ``key``: first part of the keys of the
-        printed values; ``factor``: factor from the quantity's unit to the panel's.
+        ``quantity_of_solution``: function that returns the quantity from a ball's solution; ``key``: first part of the keys
+        of the printed values; ``factor``: factor from the quantity's unit to the panel's.
         """
         drawn = [
             Series(
                 name,
                 x,
-                scale_to_python_floats(np.where(ok, [pick(s) for s in found], np.nan), factor),
+                scale_to_python_floats(np.where(ok, [quantity_of_solution(s) for s in found], np.nan), factor),
                 "line",
-                emphasis=name == "correct",
+                bold=name == "correct",
             )
             for name, found, ok in laws
         ]
@@ -169,11 +169,26 @@ def rotary_bearing_torque_figure() -> Figure:
     losses = [Series(side, x, [float(s.motion.friction.loss[i]) for s in true], "line") for i, side in enumerate(SIDES)]
     panels = (
         Panel(
-            "sum of contact loads", label, "force / N", curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"), zero=True
+            "sum of contact loads",
+            label,
+            "force / N",
+            curves_of_quantity(lambda s: s.load.force.sum(), "F_sum"),
+            include_zero=True,
         ),
-        Panel("friction torque", label, "torque / N mm", curves_of_quantity(lambda s: s.torque, "torque", 1e3), zero=True),
-        Panel("correct friction loss of each contact", label, "loss / W", losses, zero=True),
-        Panel("rotation of the ball, ω_x", label, "ω_x / rad/s", curves_of_quantity(lambda s: s.motion.q[1], "omega_x")),
+        Panel(
+            "friction torque",
+            label,
+            "torque / N mm",
+            curves_of_quantity(lambda s: s.inner_ring_torque, "torque", 1e3),
+            include_zero=True,
+        ),
+        Panel("correct friction loss of each contact", label, "loss / W", losses, include_zero=True),
+        Panel(
+            "rotation of the ball, ω_x",
+            label,
+            "ω_x / rad/s",
+            curves_of_quantity(lambda s: s.motion.unknown_velocities[1], "omega_x"),
+        ),
     )
     missing = int(np.sum(~good))
     caption = (
@@ -190,17 +205,17 @@ def rotary_bearing_torque_figure() -> Figure:
     )
 
 
-def sliding_velocity_panel(case: str, s: BearingBallSolution, title: str) -> Panel:
+def sliding_velocity_panel(case: str, solution: BearingBallSolution, title: str) -> Panel:
     """Draw the sliding velocity [mm/s] along the major axis of each loaded contact of a ball of the rotary bearing.
 
-    ``case``: case of Lin's Table 3.2, "I", "II" or "III"; ``s``: solved motion of the ball; ``title``: end of the panel's
-    title.
+    ``case``: case of Lin's Table 3.2, "I", "II" or "III"; ``solution``: solved motion of the ball; ``title``: end of the
+    panel's title.
     """
     x = np.linspace(-1.0, 1.0, 3)
     curves = []
-    for i in np.flatnonzero(s.load.force > 0.0):
-        _, vz, spin = (float(v) for v in s.motion.motion[i])
-        velocity = vz - spin * x * float(s.at.a[i])
+    for i in np.flatnonzero(solution.load.force > 0.0):
+        _, vz, spin = (float(v) for v in solution.motion.contact_motions[i])
+        velocity = vz - spin * x * float(solution.contacts.a[i])
         curves.append(Series(SIDES[i], scale_to_python_floats(x), scale_to_python_floats(velocity, 1e3), "line"))
     return Panel(f"case {case}, {title}", "x / a", "velocity / mm/s", curves)
 
@@ -210,8 +225,8 @@ def sliding_velocity_figure() -> Figure:
 
     Three panels have correct values, and three have values computed with Lin's faults.
     """
-    panels = [sliding_velocity_panel(case, solve_rotary(case), "correct") for case in CASES]
-    panels += [sliding_velocity_panel(case, solve_rotary_as_printed(case), "as printed") for case in CASES]
+    panels = [sliding_velocity_panel(case, solve_rotary_ball(case), "correct") for case in CASES]
+    panels += [sliding_velocity_panel(case, solve_rotary_ball_as_printed(case), "as printed") for case in CASES]
     caption = (
         "Contacts: I inner, O outer ring; L left, R right. A slope is spin, an offset sliding. Case I: one contact "
         "rolls, the other spins about its centre. Case II: as printed, IR and OL slide and OR is nearly at rest; "
@@ -226,35 +241,42 @@ def sliding_velocity_figure() -> Figure:
     )
 
 
-def force_map_panels(maps: PairResultsOverGrid, both: ModelAndFormula, label: str) -> list[Panel]:
+def panels_over_side_force_ratio(
+    grid_results: LinearPairResultsOverGrid, by_model_and_formula: ModelAndFormula, label: str
+) -> list[Panel]:
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
-    There is one curve for each deviation theta of the contact angle. ``maps``: results over a grid of side force ratios and
-    values of theta; ``both``: the quantity by both models; ``label``: name of the quantity with unit.
+    There is one curve for each deviation theta of the contact angle. ``grid_results``: results over a grid of side force
+    ratios and values of theta; ``by_model_and_formula``: the quantity by both models; ``label``: name of the quantity with
+    unit.
     """
-    x = scale_to_python_floats(maps.rho)
-    parts = (("numerical", both.numerical), ("formula", both.formula), ("formula less numerical", both.error))
+    x = scale_to_python_floats(grid_results.side_force_ratio)
+    parts = (
+        ("numerical", by_model_and_formula.numerical),
+        ("formula", by_model_and_formula.formula),
+        ("formula less numerical", by_model_and_formula.error),
+    )
     panels = []
     for title, values in parts:
         curves = [
             Series(f"θ = {degrees(t):+.0f}°", x, scale_to_python_floats(row), "line")
-            for t, row in zip(maps.theta, values, strict=True)
+            for t, row in zip(grid_results.contact_angle_deviation, values, strict=True)
         ]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
     return panels
 
 
-def linear_pair_map_figures() -> tuple[Figure, Figure]:
+def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     """Draw Lin's Figures 3.14 and 3.15 for two balls of a linear bearing, over the ratio of side force to vertical load.
 
     First: difference of the balls' velocities; second: ball-to-ball force and ratio of friction losses.
     """
     m = pair_results_over_grid(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
-    short = np.abs(m.difference.error).max() / np.abs(m.difference.numerical).max()
+    short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
     first = Figure(
         "friction-difference",
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over the side force ratio",
-        force_map_panels(m, m.difference, "ε₁ − ε₂"),
+        panels_over_side_force_ratio(m, m.velocity_deviation_difference, "ε₁ − ε₂"),
         "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
         "approach each other where the curve is above zero. Lin's formula is too small by up to "
         f"{short:.0%} of the largest value.",
@@ -263,11 +285,17 @@ def linear_pair_map_figures() -> tuple[Figure, Figure]:
     second = Figure(
         "friction-force",
         "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
-        [*force_map_panels(m, m.force, "force / N"), *force_map_panels(m, m.ratio, "loss ratio")],
+        [
+            *panels_over_side_force_ratio(m, m.force, "force / N"),
+            *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
+        ],
         "Loss ratio: 1 + loss between the balls over their losses without contact. Where the balls approach each other, "
-        f"force and ratio grow up to {m.force.numerical.max():.2f} N and {100.0 * m.ratio.numerical.max():.1f} % (printed "
-        f"as an increase of {printed_entry('lin-3.3', 'worst_ratio').printed} %). Lin's formula gives a force too small "
-        f"by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to {np.abs(m.ratio.error).max():.2f}.",
+        f"force and ratio grow up to {m.force.numerical.max():.2f} N and "
+        f"{100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (printed "
+        f"as an increase of {printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force "
+        "too small "
+        f"by up to {-m.force.error.min():.2f} N, and a ratio wrong by up to "
+        f"{np.abs(m.groove_and_ball_loss_ratio.error).max():.2f}.",
         3,
     )
     return first, second
@@ -282,20 +310,20 @@ INTRODUCTION = (
     "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
     "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
     "of 3.51) are corrected here. The load state behind the printed "
-    f"{printed_entry('lin-3.5', 'a_force_numerical').printed} N stays open; see friction-sensitivity.",
+    f"{printed_entry('lin-3.5', 'a_force_numerical').number_as_printed} N stays open; see friction-sensitivity.",
 )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on friction in a rotary and in a linear bearing: sections 3.2 and 3.3 of Lin's thesis.
 
-    ``study``: records which scenes the section uses; ``step``: function that receives a message before each step.
+    ``cache``: records which scenes the section uses; ``step``: function that receives a message before each step.
     """
     step("velocities of the rotary bearing")
-    study.record_used_scenes((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
+    cache.record_used_scenes((*ROTARY_SCENES.values(), LINEAR_PAIR, LINEAR_WORST))
     drawn = [sliding_velocity_figure()]
     step("maps of the linear pair")
-    drawn += linear_pair_map_figures()
+    drawn += figures_over_side_force_ratio()
     step("extreme cases and starts")
     checks = (solver_residuals_table(), root_finding_table())
     return Section(
@@ -327,8 +355,8 @@ def simulated_torque_panel(title: str, history: TravelHistory) -> Panel:
         ("ball-to-ball", history.ball_torque + history.closing_torque),
         ("sum", history.torque),
     )
-    curves = [Series(name, time, scale_to_python_floats(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
-    return Panel(title, "time / s", "torque / N mm", curves, zero=True)
+    curves = [Series(name, time, scale_to_python_floats(v, 1e3), "line", bold=name == "sum") for name, v in parts]
+    return Panel(title, "time / s", "torque / N mm", curves, include_zero=True)
 
 
 def angle_deviation_panel(case: Run) -> Panel:
@@ -346,7 +374,7 @@ def angle_deviation_panel(case: Run) -> Panel:
     return Panel("deviation θ over the loaded turns", "azimuth / deg", "θ / deg", (curve,))
 
 
-def ball_contact_panels(history: TravelHistory) -> tuple[Panel, Panel]:
+def touching_balls_panels(history: TravelHistory) -> tuple[Panel, Panel]:
     """Draw positions, number and groups of touching neighbouring balls over time (Lin's Figure 3.24).
 
     ``history``: motions, torques and touching balls at each time step. First panel: positions of touching balls along the
@@ -375,7 +403,7 @@ def ball_contact_panels(history: TravelHistory) -> tuple[Panel, Panel]:
             "time / s",
             "number",
             (pairs, found),
-            zero=True,
+            include_zero=True,
         ),
     )
 
@@ -385,26 +413,28 @@ def theta_amplitude_in_words(history: TravelHistory) -> str:
     return f"θ of {np.degrees(history.setting.amplitude):g}°"
 
 
-def simulation_figure() -> Figure:
+def screw_simulation_figure() -> Figure:
     """Draw Lin's Figures 3.23 to 3.25: contact-angle deviation, friction torque and touching balls of the whole screw."""
-    three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_without_oversize()
+    three, two, open_grooves = screw.simulate_screw(3.0), screw.simulate_screw(2.0), screw.simulate_screw_without_oversize()
     panels = (
         angle_deviation_panel(three.setting),
         simulated_torque_panel(f"torque, {theta_amplitude_in_words(three)}, {1e6 * three.setting.oversize:g} µm", three),
         simulated_torque_panel(f"torque, {theta_amplitude_in_words(two)}, {1e6 * two.setting.oversize:g} µm", two),
-        *ball_contact_panels(three),
+        *touching_balls_panels(three),
         simulated_torque_panel(
             f"torque, {theta_amplitude_in_words(open_grooves)}, {1e6 * open_grooves.setting.oversize:g} µm, coupled",
             open_grooves,
         ),
     )
-    high, low = summarise_history(three), summarise_history(two)
+    high, low = summarise_screw_run(three), summarise_screw_run(two)
     caption = (
         "θ: deviation of the contact angles; its amplitude and phase, and the oversize of the balls, are assumed. "
         "Ball-to-ball torque rises to "
-        f"{high.largest:.0%} of the ball-to-groove torque at {high.at:.0f}° of the nut ({theta_amplitude_in_words(three)}) "
-        f"or {low.largest:.0%} at "
-        f"{low.at:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Touching balls form {high.groups} "
+        f"{high.largest_ball_to_groove_ratio:.0%} of the ball-to-groove torque at {high.nut_angle_of_largest_ratio:.0f}° "
+        f"of the nut ({theta_amplitude_in_words(three)}) "
+        f"or {low.largest_ball_to_groove_ratio:.0%} at "
+        f"{low.nut_angle_of_largest_ratio:.0f}° ({theta_amplitude_in_words(two)}), vanishes, and returns weaker. Touching "
+        f"balls form {high.most_touching_groups} "
         "groups. Without oversize (last panel) the ball-to-groove torque varies by "
         f"{screw.relative_groove_torque_variation(open_grooves):.0%} after the first step."
     )
@@ -417,25 +447,25 @@ def simulation_figure() -> Figure:
     )
 
 
-def oversize_map_panels(case: str, coupling: Coupling) -> list[Panel]:
+def panels_over_ball_oversize(case: str, coupling: Coupling) -> list[Panel]:
     """Draw ball-to-ball force and loss increase of two balls over their oversize, with one curve for each axial load.
 
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, so that it changes the
     contact loads: "none", "ball" or "ball and screw".
     """
-    m, x = screw.oversize_and_load_map(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
+    m, x = screw.pair_results_over_oversize_and_load(case, coupling), [1e6 * oversize for oversize in screw.OVERSIZE]
     words = "loads without friction" if coupling == "none" else "friction moves the balls"
     panels = []
-    for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
+    for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.friction_increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
         curves = [
-            Series(f"{f:g} N", x, scale_to_python_floats(values[:, j]), "line", emphasis=f == LOAD)
+            Series(f"{f:g} N", x, scale_to_python_floats(values[:, j]), "line", bold=f == LOAD)
             for j, f in enumerate(screw.AXIAL)
         ]
         printed = printed_value("lin-3.7", f"{key}_{case}")
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {screw.THETA[case]:g}°, {words}"
-        panels.append(Panel(title, "oversize of the ball's radius / µm", label, curves, zero=True))
+        panels.append(Panel(title, "oversize of the ball's radius / µm", label, curves, include_zero=True))
     return panels
 
 
@@ -443,9 +473,9 @@ def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
     """Return the ball-to-ball force of two balls without oversize divided by the printed force, at an axial load of 50 N.
 
     ``case``: case of Lin's Table 3.7, "a" or "b"; ``coupling``: which parts the friction displaces, as in
-    `oversize_map_panels`.
+    `panels_over_ball_oversize`.
     """
-    m = screw.oversize_and_load_map(case, coupling)
+    m = screw.pair_results_over_oversize_and_load(case, coupling)
     at = int(np.argmin(np.abs(np.array(screw.OVERSIZE))))
     return float(m.force[at, screw.AXIAL.index(LOAD)]) / printed_value("lin-3.7", f"force_{case}")
 
@@ -458,8 +488,8 @@ def oversizes_at_printed_value_in_words(key: str) -> str:
     """
     words = []
     for case in ("a", "b"):
-        m, printed = screw.oversize_and_load_map(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
-        values = (m.force if key == "force" else 100.0 * m.increase)[:, screw.AXIAL.index(LOAD)]
+        m, printed = screw.pair_results_over_oversize_and_load(case, "none"), printed_value("lin-3.7", f"{key}_{case}")
+        values = (m.force if key == "force" else 100.0 * m.friction_increase)[:, screw.AXIAL.index(LOAD)]
         words.append(
             f"{' and '.join(f'{x:.1f}' for x in oversizes_at_crossings(values, printed)) or 'no oversize'} µm in case "
             f"({case})"
@@ -477,10 +507,10 @@ def oversizes_at_crossings(values: Array, level: float) -> list[float]:
     return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
 
 
-def oversize_map_figure() -> Figure:
+def force_over_ball_oversize_figure() -> Figure:
     """Draw ball-to-ball force and loss increase of two balls of a screw over their oversize, for several axial loads."""
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
-    panels = [p for case, coupling in sets for p in oversize_map_panels(case, coupling)]
+    panels = [p for case, coupling in sets for p in panels_over_ball_oversize(case, coupling)]
     caption = (
         "After the bend all four contacts of a ball are loaded: the force grows with the oversize, the relative increase "
         f"of friction falls. Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, friction that displaces the "
@@ -501,35 +531,35 @@ def oversize_map_figure() -> Figure:
     )
 
 
-def first_angle_beyond_two_contacts(found: TorqueCurve) -> float:
+def first_load_angle_beyond_two_contacts(found: BearingTorqueCurve) -> float:
     """Return the smallest load angle [deg] at which a ball of the bearing has more than two loaded contacts.
 
     ``found``: friction torque and contacts of the bearing over the load angle.
     """
-    return float(np.degrees(screw.ANGLES[np.flatnonzero(found.four)[0]]))
+    return float(np.degrees(screw.ANGLES[np.flatnonzero(found.balls_beyond_two_contacts)[0]]))
 
 
 def bearing_torque_figure() -> Figure:
     """Draw Lin's Figure 4.7: friction torque of a four-point and a double-row bearing over the load angle."""
     curves = [
-        ("four-point, tilt free", screw.torque_over_load_angle("4P", True)),
-        ("four-point, tilt held", screw.torque_over_load_angle("4P", False)),
-        ("double row, tilt free", screw.torque_over_load_angle("DR", True)),
-        ("double row, tilt held", screw.torque_over_load_angle("DR", False)),
+        ("four-point, tilt free", screw.bearing_torque_over_load_angle("4P", True)),
+        ("four-point, tilt held", screw.bearing_torque_over_load_angle("4P", False)),
+        ("double row, tilt free", screw.bearing_torque_over_load_angle("DR", True)),
+        ("double row, tilt held", screw.bearing_torque_over_load_angle("DR", False)),
     ]
     x, label = scale_to_python_floats(np.degrees(screw.ANGLES)), "load angle / deg"
 
-    def draw_panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
+    def draw_panel(title: str, unit: str, quantity_of_bearing: Callable[[BearingTorqueCurve], Array]) -> Panel:
         """Draw a quantity of both bearings, with and without tilt of the inner ring, over the load angle.
 
-        ``title``: title of the panel; ``unit``: label of the ordinate; ``pick``: function that returns the quantity of a
-        bearing.
+        ``title``: title of the panel; ``unit``: label of the ordinate; ``quantity_of_bearing``: function that returns the
+        quantity of a bearing.
         """
         drawn = [
-            Series(name, x, scale_to_python_floats(pick(c)), "line+markers", emphasis=k == 0)
+            Series(name, x, scale_to_python_floats(quantity_of_bearing(c)), "line+markers", bold=k == 0)
             for k, (name, c) in enumerate(curves)
         ]
-        return Panel(title, label, unit, drawn, zero=True)
+        return Panel(title, label, unit, drawn, include_zero=True)
 
     ratio, printed = (
         draw_panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
@@ -538,17 +568,18 @@ def bearing_torque_figure() -> Figure:
     panels = (
         draw_panel("friction torque", "torque / N mm", lambda c: 1e3 * c.torque),
         replace(ratio, series=(*ratio.series, Series("printed: largest over smallest", [0.0, END], [printed] * 2, "line"))),
-        draw_panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
+        draw_panel("balls beyond two contacts", "balls", lambda c: c.balls_beyond_two_contacts.astype(float)),
     )
     free, held, last = curves[0][1], curves[1][1], float(np.degrees(screw.ANGLES[-1]))
     caption = (
         "The torque of the four-point bearing rises with the load angle, steeply once balls have more than two loaded "
-        f"contacts: from {first_angle_beyond_two_contacts(free):.0f}° on if the inner ring is free to tilt. The torque of "
+        f"contacts: from {first_load_angle_beyond_two_contacts(free):.0f}° on if the inner ring is free to tilt. The "
+        "torque of "
         f"the double-row bearing stays within {screw.largest_over_smallest_torque(curves[2][1], END):.2f} times its "
         f"smallest value up to {END:g}°. If the inner ring of the four-point bearing cannot tilt, "
         + (
-            f"balls have more than two loaded contacts from {first_angle_beyond_two_contacts(held):.0f}° on."
-            if held.four.any()
+            f"balls have more than two loaded contacts from {first_load_angle_beyond_two_contacts(held):.0f}° on."
+            if held.balls_beyond_two_contacts.any()
             else f"no ball has more than two loaded contacts up to {last:.0f}°."
         )
     )
@@ -570,17 +601,18 @@ def bearing_torque_figure() -> Figure:
 def pair_interpretations_table() -> Table:
     """Return the table of ball-to-ball force and loss increase for each interpretation of Lin's Table 3.7."""
     printed = {
-        case: [printed_entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in screw.THETA
+        case: [printed_entry("lin-3.7", f"{what}_{case}").number_as_printed for what in ("force", "increase")]
+        for case in screw.THETA
     }
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
         "Oversize is of the ball's radius; it was chosen so "
         "that the printed force and increase agree on the contact load, and is not in the thesis."
     )
-    return Table.of(
+    return Table.from_rows(
         "friction-readings",
         "Lin, Table 3.7: ball-to-ball force and loss increase by interpretation of the text",
-        screw.load_state_interpretation_rows(),
+        screw.contact_load_interpretation_rows(),
         note,
     )
 
@@ -590,7 +622,9 @@ def simulation_sensitivity_table() -> Table:
 
     They concern section 3.4.4; a row of the table has one assumption changed.
     """
-    largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    largest, at, none_at = (
+        printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
+    )
     note = (
         f"Lin prints {largest} % at {at}°, no contact from {none_at}° on, and four groups. Third row: Lin's root finding, "
         "by which neighbouring balls touch if they are near and would approach without contact (3.77). Rows below: one "
@@ -598,7 +632,7 @@ def simulation_sensitivity_table() -> Table:
         f"{simulation_inputs_of_section_3_4_4().force[0]:g} N, {screw.inferred_oversize_in_words()} oversize and contact "
         "loads without friction, over one turn of the nut in steps of 7.2°. Empty: contact does not end within that turn."
     )
-    return Table.of(
+    return Table.from_rows(
         "friction-run-sensitivity",
         "Simulation of a whole ball screw (Lin 3.4.4): change of the results with each assumption",
         screw.simulation_sensitivity_rows(),
@@ -611,7 +645,9 @@ def simulation_interpretations_table() -> Table:
 
     It also contains the differences from the printed results.
     """
-    largest, at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
+    largest, at, none_at = (
+        printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
+    )
     note = (
         f"Lin prints {largest} % at {at}° and no contact from {none_at}° on. Theta: deviation of the contact angles. "
         "Lin's text leaves open whether theta moves with the screw or the nut, its amplitude, whether it acts on one or "
@@ -620,7 +656,7 @@ def simulation_interpretations_table() -> Table:
         "the nut, largest torque and its angle come out together, and contact ends too late."
     )
     rows = screw.simulation_interpretation_rows()
-    return Table.of(
+    return Table.from_rows(
         "friction-run-readings",
         "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, by interpretation",
         rows,
@@ -634,11 +670,12 @@ def bearing_torque_table() -> Table:
     The torque ratios are those of the largest to the smallest torque over a range of load angles.
     """
     note = (
-        f"Printed for the four-point bearing: {printed_entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
+        f"Printed for the four-point bearing: {printed_entry('lin-4.3', 'ratio_4p').number_as_printed}. Friction "
+        "coefficient "
         f"{four_point_bearing().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off Lin's figure."
     )
-    return Table.of(
+    return Table.from_rows(
         "friction-bearings",
         "Bearings of Lin's Table 4.2: largest over smallest friction torque, by assumption",
         screw.bearing_torque_rows(),
@@ -646,17 +683,17 @@ def bearing_torque_table() -> Table:
     )
 
 
-def ball_contact_onset_table(study: Study) -> Table:
+def ball_contact_onset_table(cache: SceneResultCache) -> Table:
     """Return the table of the nut angle at which neighbouring balls first touch (section 4.3.2 of Lin's thesis).
 
-    There is a row for each kind of geometric error and each velocity of unloaded balls. ``study``: gives the solved scenes.
+    There is a row for each kind of geometric error and each velocity of unloaded balls. ``cache``: gives the solved scenes.
     """
     note = (
         "Screw of Lin's Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls. Lin's conclusion that balls touch sooner "
         "with roundness errors needs unloaded balls to be slow: it does not hold if they move at the nominal speed."
     )
     title = "Nut angle at which neighbouring balls first touch, with pitch or roundness error (Lin 4.3.2)"
-    return Table.of("friction-onset", title, screw.ball_contact_onset_rows(study), note)
+    return Table.from_rows("friction-onset", title, screw.ball_contact_onset_rows(cache), note)
 
 
 def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
@@ -680,7 +717,8 @@ def _ball_pair_paragraph(pairs: Table) -> str:
         f"{screw_pair_as_printed().force[0]:g} "
         f"N along the axis), one diagonal carries nearly all: {uncoupled} of the printed forces (cases a and b), {moved} "
         "where friction moves the balls and loads a third contact. Printed force and increase together imply a contact "
-        f"load of {screw.implied_contact_load():.0f} N per ball, against {float(coupled['load_a'] or 0.0):.0f} N here; "
+        f"load of {screw.contact_load_implied_by_table_3_7():.0f} N per ball, against "
+        f"{float(coupled['load_a'] or 0.0):.0f} N here; "
         f"{screw.inferred_oversize_in_words()} of oversize would give "
         f"{float(rows[screw.label_of_inferred_oversize()]['load_a'] or 0.0):.0f} N. The "
         "literal reading is compared with the printed numbers; the inferred one is shown with it and labelled so, because "
@@ -692,7 +730,7 @@ def _simulation_paragraph(simulations: Table) -> str:
     """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``simulations``: results by assumption."""
     cases = [row for row in simulations.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in simulations.rows if row["assumption"] == screw.SOURCE_RULE)
-    at, none_at = (printed_entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
+    at, none_at = (printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest_at", "none_at"))
     found = "; ".join(
         f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
         for a, row in zip(screw.AMPLITUDES, cases, strict=True)
@@ -707,17 +745,17 @@ def _simulation_paragraph(simulations: Table) -> str:
     )
 
 
-def screw_section(study: Study, step: Callable[[str], None]) -> Section:
+def screw_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on friction in a ball screw and in two bearings: sections 3.4 and 4.3 of Lin's thesis.
 
-    ``study``: gives the solved scenes; ``step``: function that receives a message before each step.
+    ``cache``: gives the solved scenes; ``step``: function that receives a message before each step.
     """
     step("readings and maps of two balls")
-    pairs = (pair_interpretations_table(), oversize_map_figure())
+    pairs = (pair_interpretations_table(), force_over_ball_oversize_figure())
     step("whole screw and what its assumptions change")
-    whole = (simulation_figure(), simulation_interpretations_table(), simulation_sensitivity_table())
+    whole = (screw_simulation_figure(), simulation_interpretations_table(), simulation_sensitivity_table())
     step("bearings and errors")
-    last = (bearing_torque_table(), ball_contact_onset_table(study))
+    last = (bearing_torque_table(), ball_contact_onset_table(cache))
     return Section(
         "friction-screw",
         "Lin 3.4 and 4.3: friction in a ball screw and in two bearings",

@@ -17,24 +17,24 @@ from rollbench.compare.cases.lin.reconstruction.readings import (
     PENALTY_LEVEL,
     SOLID,
     Combination,
-    combination_key,
+    combination_name,
     largest_relative_rise_by_friction,
     tilt_at_onset_of_sliding,
 )
 from rollbench.compare.measure import error_percent, mean_load
 from rollbench.compare.models.registry import DEFAULT
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load_run, shipped_store
+from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.rolling import runs as rolling
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import SIDES
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 if TYPE_CHECKING:
-    from rollbench.compare.scenes.friction_kinds.common import KindScene
+    from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 
 #: Number of balls that count as "the last few".
 LAST = 3
@@ -49,23 +49,23 @@ FORCES = {
 }
 
 
-def model_comparison_statements_table(study: Study) -> Table:
+def model_comparison_statements_table(cache: SceneResultCache) -> Table:
     """Return the table of further statements in which Lin compares his model with ANSYS, with computed values and verdicts.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     rows = [
-        _run_time_row(study),
-        _lateral_displacement_row(study),
-        *(_case_3_support_row(study, model) for model in ("lin", DEFAULT)),
+        _run_time_row(cache),
+        _lateral_displacement_row(cache),
+        *(_case_3_support_row(cache, model) for model in ("lin", DEFAULT)),
         *map(_ball_force_row, FORCES),
     ]
-    return Table.of(
+    return Table.from_rows(
         "reconstruction-others", "Other statements in which Lin compares his model with ANSYS, and computed values", rows
     )
 
 
-def _statement_row(location: str, printed: str, computed: str, verdict: str) -> Row:
+def _row_of_lin_statement(location: str, printed: str, computed: str, verdict: str) -> Row:
     """Return the table row of one statement in Lin's thesis.
 
     ``location``: section, table or figure of the statement; ``printed``: the statement; ``computed``: what is computed for
@@ -74,19 +74,19 @@ def _statement_row(location: str, printed: str, computed: str, verdict: str) -> 
     return {"place": location, "printed": printed, "computed here": computed, "verdict": verdict}
 
 
-def _run_time_row(study: Study) -> Row:
+def _run_time_row(cache: SceneResultCache) -> Row:
     """Return the table row on run times: printed for ANSYS, and measured for a 3D model with cells of equal size.
 
-    ``study``: gives the scene whose stored 3D result has this time.
+    ``cache``: gives the scene whose stored 3D result has this time.
     """
-    run = load_run(study.scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
+    run = load_stored_run(cache.built_in_scene("lin-case1"), SOURCE_LEVEL, stores=[shipped_store()])
     hours, elements = (printed_value("lin-2.2", key) for key in ("time_ansys_1", "elements_ansys"))
     time = (
         "no stored run"
         if run is None
         else f"{run.setup_seconds + run.solve_seconds:.0f} s with {run.unknowns:,} unknowns, measured with {run.measured}"
     )
-    return _statement_row(
+    return _row_of_lin_statement(
         "Table 2.2",
         f"{hours:g} h with {elements:,.0f} elements",
         f"a 3D model of the same cells, condensed by contacts: {time}",
@@ -94,19 +94,19 @@ def _run_time_row(study: Study) -> Row:
     )
 
 
-def _lateral_displacement_row(study: Study) -> Row:
+def _lateral_displacement_row(cache: SceneResultCache) -> Row:
     """Return the table row on Lin's Figure 2.10: largest lateral displacement of the screw's axis, low-order and in 3D.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
-    low, found = study.solve("lin-case1"), study.reference("lin-case1")
+    low, found = cache.solve_once("lin-case1"), cache.stored_reference("lin-case1")
     assert found is not None
     z, *motion = found.best.centreline.T
     there = [np.interp(z, low.centreline_z, low.centreline[:, k]) for k in range(2)]
     ours, theirs = (float(1e6 * np.hypot(x, y).max()) for x, y in (there, motion[:2]))
     off = 1e6 * float(np.hypot(there[0] - motion[0], there[1] - motion[1]).max())
     share = float(error_percent(off, 0.0, theirs))
-    return _statement_row(
+    return _row_of_lin_statement(
         "Figure 2.10",
         '"good agreement in predicting the presence of lateral deformation"',
         f"largest {ours:.2f} um by the low-order model, {theirs:.2f} um in 3D, {off:.2f} um apart ({share:.0f} %)",
@@ -114,20 +114,23 @@ def _lateral_displacement_row(study: Study) -> Row:
     )
 
 
-def _case_3_support_row(study: Study, model: str) -> Row:
+def _case_3_support_row(cache: SceneResultCache, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
     It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model by which the contact loads are computed. ``study``: gives the solved scenes.
+    the model by which the contact loads are computed. ``cache``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
-        change = study.solve(reading.offset, model).load - study.solve(reading.plain, model).load
+        change = (
+            cache.solve_once(reading.scene_with_offset, model).load
+            - cache.solve_once(reading.scene_without_offset, model).load
+        )
         ball, side = (int(k) for k in np.unravel_index(int(np.abs(change).argmax()), change.shape))
         shaped = rises_most_at_last_balls(change)
-        right += [reading.label] if shaped else []
-        largest.append(f"{reading.label}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
-    return _statement_row(
+        right += [reading.restraint_in_words] if shaped else []
+        largest.append(f"{reading.restraint_in_words}: most at {ball + 1} {SIDES[side]} ({change[ball, side]:+.0f} N)")
+    return _row_of_lin_statement(
         "2.4.1.3, case 3",
         "the offset raises SR and NL of the last few balls most",
         f"{model}: {'; '.join(largest)}",
@@ -153,11 +156,11 @@ def _ball_force_row(case: str) -> Row:
     """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (printed_value(table, key) for key in (low_key, ansys_key))
-    scene = cast("KindScene", catalogue.shipped_scene(name))
-    coarse, fine = (rolling.load_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
+    scene = cast("FrictionScene", catalogue.shipped_scene(name))
+    coarse, fine = (rolling.load_rolling_run(scene, level, [shipped_store()]) for level in (SOURCE_LEVEL, 3))
     printed = f"{low:g} N, ANSYS {ansys:g} N: {float(error_percent(low, ansys)):.2f} %"
     if coarse is None or fine is None:
-        return _statement_row(f"Table {case}", printed, "no stored run", "not judged")
+        return _row_of_lin_statement(f"Table {case}", printed, "no stored run", "not judged")
     value = fine.values[FORCE]
     bodies = float(error_percent(value, fine.limit[FORCE]))
     cells = float(error_percent(coarse.elastic[FORCE], value))
@@ -169,7 +172,9 @@ def _ball_force_row(case: str) -> Row:
         else "neither bodies nor elements of that size do as much: the load state, which is not printed, or the solver"
     )
     computed = f"{value:.3f} N; elastic bodies change it by {bodies:+.2f} %, elements of Lin's size by {cells:+.1f} %"
-    return _statement_row(f"Table {case}", f"{printed}, that is {needed:+.2f} % of the low-order force", computed, verdict)
+    return _row_of_lin_statement(
+        f"Table {case}", f"{printed}, that is {needed:+.2f} % of the low-order force", computed, verdict
+    )
 
 
 # --- origin of the printed errors of 2.4.1: combined interpretations of inputs that the text leaves open
@@ -188,13 +193,13 @@ ABOUT_IT = (
 )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the origin of the model errors printed in section 2.4.1 of Lin's thesis.
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("combined interpretations of Lin's section 2.4.1")
-    found = study.compute_once(combined.evaluate_combinations)
+    found = cache.compute_once(combined.evaluate_combinations)
     return Section(
         "reconstruction",
         "Lin 2.4.1: possible origin of the model error of 5.38 % that the thesis prints",
@@ -203,9 +208,9 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
                 (
                     origin_of_error_paragraph(found),
                     ABOUT_IT,
-                    penalty_paragraph(study),
-                    mesh_scatter_paragraph(study, found),
-                    friction_paragraph(study),
+                    contact_penalty_paragraph(cache),
+                    mesh_scatter_paragraph(cache, found),
+                    friction_in_3d_paragraph(cache),
                 )
             ),
             ratios_and_errors_by_explanation_table(found),
@@ -213,7 +218,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
             combinations_figure(found),
             single_interpretation_table(found),
             combination_table(found),
-            model_comparison_statements_table(study),
+            model_comparison_statements_table(cache),
         ),
         conclusion=origin_of_error_conclusion(found),
     )
@@ -221,7 +226,7 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
 
 def combination_in_words(combination: Combination) -> str:
     """Return in words a combination of interpretations of Lin's text, such as "Hertz constants: as printed; ..."."""
-    return "; ".join(f"{r.choice}: {r.label}" for r in combination) or "as by default"
+    return "; ".join(f"{r.modelling_choice}: {r.description}" for r in combination) or "as by default"
 
 
 def _errors_in_words(values: Sequence[float]) -> str:
@@ -229,7 +234,7 @@ def _errors_in_words(values: Sequence[float]) -> str:
     return f"{values[0]:.2f} / {values[1]:.2f} % (case 1) and {values[2]:.2f} / {values[3]:.2f} % (case 2)"
 
 
-def error_changes_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
+def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float]:
     """Return the fall of the largest error, then the rise of the RMS error, from Lin's case 1 to his case 2.
 
     Both are in percentage points. ``errors``: largest and RMS error of case 1, then of case 2 [%].
@@ -243,11 +248,12 @@ def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
     It states the range of this error over all combinations of interpretations. ``found``: results of all combinations, of
     which the first has all choices by default.
     """
-    errors = [c.errors["own"][0] for c in found if not c.contradicts_text]
-    missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).misses ** 2)))
+    errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
+    missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).deviations_from_print ** 2)))
     return (
-        f"Where the printed {combined.printed_errors()[0]:.2f} % comes from is not identified. It is "
-        f"{found[0].errors['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all combinations "
+        f"Where the printed {combined.printed_errors_percent()[0]:.2f} % comes from is not identified. It is "
+        f"{found[0].errors_percent['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all "
+        "combinations "
         f"are (table "
         f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
         f"combinations of interpretations of what the text leaves open; {len(found) - len(errors)} more contradict it. "
@@ -261,13 +267,13 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
     ``found``: results of all combinations of interpretations, of which the first has all choices by default.
     """
-    printed, shown = combined.printed_errors(), combined.combinations_shown_in_report(found)
+    printed, shown = combined.printed_errors_percent(), combined.explanations_shown_in_report(found)
     near, soft = (
         shown["nearest in the ratio, no penalty"],
-        [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)],
+        [c for c in shown.values() if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)],
     )
     errors = ", ".join(
-        f"{label} {_range_in_words([c.errors['own'][k] for c in soft])} %"
+        f"{label} {_first_to_last_in_words([c.errors_percent['own'][k] for c in soft])} %"
         for k, label in enumerate(("largest", "RMS", "largest of case 2", "its RMS"))
     )
     best = shown["nearest in all six"]
@@ -275,77 +281,90 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
         f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses "
-        f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low)}; "
-        f"{combination_in_words(near.solid)}) have {_ratios_and_errors_in_words(near)}. "
+        f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low_order_combination)}; "
+        f"{combination_in_words(near.combination_in_3d)}) have {_ratios_and_errors_in_words(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
-        f"{_range_in_words([c.solid_ratio for c in soft], 3)} with {soft[0].low_ratio:.3f} in the low-order model, "
+        f"{_first_to_last_in_words([c.load_ratio_in_3d for c in soft], 3)} with {soft[0].low_order_load_ratio:.3f} in the "
+        "low-order model, "
         f"{errors}, and "
-        f"{_range_in_words([_fall_in_percent_of_printed(c) for c in soft], 0)} % of the printed fall. By default: "
+        f"{_first_to_last_in_words([_error_fall_over_printed_percent(c) for c in soft], 0)} % of the printed fall. By "
+        "default: "
         f"{_ratios_and_errors_in_words(found[0])}. Nearest in all six "
-        f"numbers ({combination_in_words(best.low)}; {combination_in_words(best.solid)}): "
+        f"numbers ({combination_in_words(best.low_order_combination)}; {combination_in_words(best.combination_in_3d)}): "
         f"{_ratios_and_errors_in_words(best)}."
     )
 
 
-def _ratios_and_errors_in_words(c: combined.CombinationResult) -> str:
-    """Return in words largest over smallest load, and the model errors, for the combination of interpretations ``c``."""
+def _ratios_and_errors_in_words(result: combined.CombinationResult) -> str:
+    """Return largest over smallest load and the model errors in words; ``result``: of a combination of interpretations."""
     return (
-        f"ratios of {c.low_ratio:.3f} and {c.solid_ratio:.3f}, errors of {_errors_in_words(c.errors['own'])}, "
-        f"{_fall_in_percent_of_printed(c):.0f} % of "
+        f"ratios of {result.low_order_load_ratio:.3f} and {result.load_ratio_in_3d:.3f}, errors of "
+        f"{_errors_in_words(result.errors_percent['own'])}, "
+        f"{_error_fall_over_printed_percent(result):.0f} % of "
         "the printed fall"
     )
 
 
-def _fall_in_percent_of_printed(c: combined.CombinationResult) -> float:
+def _error_fall_over_printed_percent(result: combined.CombinationResult) -> float:
     """Return the fall of the largest error from case 1 to case 2, in per cent of the fall that Lin prints."""
-    return 100.0 * error_changes_to_case_2(c.errors["own"])[0] / error_changes_to_case_2(combined.printed_errors())[0]
+    return (
+        100.0
+        * error_fall_and_rise_to_case_2(result.errors_percent["own"])[0]
+        / error_fall_and_rise_to_case_2(combined.printed_errors_percent())[0]
+    )
 
 
-def _range_in_words(values: Sequence[float], digits: int = 2) -> str:
+def _first_to_last_in_words(values: Sequence[float], digits: int = 2) -> str:
     """Return in words the first and the last of some values; ``digits``: number of decimals."""
     return f"{values[0]:.{digits}f} to {values[-1]:.{digits}f}"
 
 
-def penalty_paragraph(study: Study) -> str:
+def contact_penalty_paragraph(cache: SceneResultCache) -> str:
     """Return the paragraph on contacts with a penalty in 3D: how much softer they are, and the influence of the mesh.
 
-    ``study``: gives solved scenes and stored 3D results.
+    ``cache``: gives solved scenes and stored 3D results.
     """
-    soft = [(r, combined.penalty_over_hertz_approach(study, (r,))) for r in SOLID if r.penalty]
-    sizes = ", ".join(f"{r.label}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
+    soft = [(r, combined.penalty_over_hertz_approach(cache, (r,))) for r in SOLID if r.relative_penalty]
+    sizes = ", ".join(f"{r.description}: {100.0 * x / (1.0 + x):.0f} %" for r, x in soft)
     levels = PENALTY_LEVEL, PENALTY_LEVEL + 1
     coarse, fine = (
         np.array(
-            combined.low_order_errors(
-                combined.low_order_loads(study, ()), combined.required_loads_in_3d(study, FINER, level)
+            combined.low_order_errors_percent(
+                combined.low_order_loads(cache, ()), combined.required_loads_in_3d(cache, FINER, level)
             )["own"]
         )
         for level in levels
     )
     ratios = [
-        combined.largest_over_smallest_load(combined.required_loads_in_3d(study, FINER, level)[0]) for level in levels
+        combined.largest_over_smallest_load(combined.required_loads_in_3d(cache, FINER, level)[0]) for level in levels
     ]
     return (
         "The one thing that the text prints of the contacts is their formulation, an augmented Lagrangian, with all other "
         "settings by default. It leaves a penetration below a tolerance, as a penalty does: the contacts are softer. Size "
         "of the penalty and tolerance are not printed. Computed in 3D as a compliance in series at every pair of nodes, it "
         f"makes a contact softer under the mean load by the following shares of its stiffness: {sizes}. The next mesh "
-        f"level changes the errors with {FINER[0].label} by {np.abs(fine - coarse).max():.2f} points at most and the ratio "
+        f"level changes the errors with {FINER[0].description} by {np.abs(fine - coarse).max():.2f} points at most and "
+        "the ratio "
         f"from {ratios[0]:.3f} to {ratios[1]:.3f}."
     )
 
 
-def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]) -> str:
+def mesh_scatter_paragraph(cache: SceneResultCache, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
     It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
-    ``study``: gives solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
+    ``cache``: gives solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
     """
-    falls, rises = error_changes_to_case_2(combined.printed_errors())
+    falls, rises = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
     best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)
-    loads = combined.low_order_loads(study, best.low), combined.required_loads_in_3d(study, best.solid)
+    loads = (
+        combined.low_order_loads(cache, best.low_order_combination),
+        combined.required_loads_in_3d(cache, best.combination_in_3d),
+    )
     odds = {
-        s: combined.fraction_with_fall_and_rise(combined.errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises)
+        s: combined.fraction_of_meshes_with_fall_and_rise(
+            combined.low_order_errors_on_random_meshes(*loads, s), 0.5 * falls, 0.5 * rises
+        )
         for s in (combined.SCATTER, *TRIED)
     }
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
@@ -359,13 +378,13 @@ def mesh_scatter_paragraph(study: Study, found: list[combined.CombinationResult]
     )
 
 
-def friction_paragraph(study: Study) -> str:
+def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
     """Return the paragraph on the effect of the printed coefficient of friction in 3D, for rolling and sliding balls.
 
-    ``study``: gives solved scenes and stored 3D results.
+    ``cache``: gives solved scenes and stored 3D results.
     """
-    scene, base = study.scene(CASES[0]), combined.required_loads_in_3d(study, ())
-    changed = {r.key: combined.required_loads_in_3d(study, (r,)) for r in SOLID if r.choice == FRICTION}
+    scene, base = cache.built_in_scene(CASES[0]), combined.required_loads_in_3d(cache, ())
+    changed = {r.short_name: combined.required_loads_in_3d(cache, (r,)) for r in SOLID if r.modelling_choice == FRICTION}
     moved = {
         key: float(
             error_percent(combined.largest_over_smallest_load(loads[0]), combined.largest_over_smallest_load(base[0]))
@@ -377,9 +396,9 @@ def friction_paragraph(study: Study) -> str:
     )
     mean = {key: float(error_percent(mean_load(loads[0]), mean_load(base[0]))) for key, loads in changed.items()}
     worst = 100.0 * largest_relative_rise_by_friction(
-        scene, lambda s: combined.largest_over_smallest_load(study.solve(s, "lin").load)
+        scene, lambda s: combined.largest_over_smallest_load(cache.solve_once(s, "lin").load)
     )
-    slope = float(np.abs(study.solve(scene, "lin").centreline[:, 3:5]).max())
+    slope = float(np.abs(cache.solve_once(scene, "lin").centreline[:, 3:5]).max())
     return (
         f"Friction of {MU:g} is computed, too. Two forces act on a ball, on the line through its contacts. One that rolls "
         "feels friction only where it stands beside the line of its arcs' centres, and that shifts both forces and turns "
@@ -400,16 +419,16 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
 
     ``found``: results of all combinations of interpretations.
     """
-    printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors()
+    printed = combined.printed_load_ratio(), combined.printed_load_ratio(), *combined.printed_errors_percent()
     given = {
-        name: (c.low_ratio, c.solid_ratio, *c.errors["own"])
-        for name, c in combined.combinations_shown_in_report(found).items()
+        name: (c.low_order_load_ratio, c.load_ratio_in_3d, *c.errors_percent["own"])
+        for name, c in combined.explanations_shown_in_report(found).items()
     }
     rows: list[Row] = [
         {"explanation": name, **_ratio_and_error_cells(values, ".3f", ".2f")}
         for name, values in [("printed", printed), *given.items()]
     ]
-    return Table.of(
+    return Table.from_rows(
         "reconstruction",
         "Largest over smallest load, and model errors: printed in Lin 2.4.1, and by each possible explanation",
         rows,
@@ -421,17 +440,23 @@ def deviations_from_print_table(found: list[combined.CombinationResult]) -> Tabl
 
     ``found``: results of all combinations of interpretations.
     """
-    printed = error_changes_to_case_2(combined.printed_errors())
+    printed = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
     rows: list[Row] = []
-    for name, c in combined.combinations_shown_in_report(found).items():
-        fall, rise = (float(a - b) for a, b in zip(error_changes_to_case_2(c.errors["own"]), printed, strict=True))
-        row: Row = {"explanation": name, "low order": combination_in_words(c.low), "3D": combination_in_words(c.solid)}
-        row |= _ratio_and_error_cells(tuple(c.misses), "+.1f", "+.2f", "%")
-        row[Quantity("fall_off", "fall of the largest error, case 1 to 2", "points", "+.2f")] = fall
-        row[Quantity("rise_off", "rise of the RMS error", "points", "+.2f")] = rise
+    for name, c in combined.explanations_shown_in_report(found).items():
+        fall, rise = (
+            float(a - b) for a, b in zip(error_fall_and_rise_to_case_2(c.errors_percent["own"]), printed, strict=True)
+        )
+        row: Row = {
+            "explanation": name,
+            "low order": combination_in_words(c.low_order_combination),
+            "3D": combination_in_words(c.combination_in_3d),
+        }
+        row |= _ratio_and_error_cells(tuple(c.deviations_from_print), "+.1f", "+.2f", "%")
+        row[TableColumn("fall_off", "fall of the largest error, case 1 to 2", "points", "+.2f")] = fall
+        row[TableColumn("rise_off", "rise of the RMS error", "points", "+.2f")] = rise
         rows.append(row)
     note = "Ratio: largest over smallest load, in per cent of the printed ratio. Errors: in percentage points."
-    return Table.of(
+    return Table.from_rows(
         "reconstruction-missed",
         "Largest over smallest load, and model errors: deviations from Lin 2.4.1 by each possible explanation",
         rows,
@@ -446,25 +471,25 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
     ratios and errors; ``unit``: unit of the ratios, empty for the ratios themselves, "%" for differences.
     """
     row: Row = {
-        Quantity("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
-        Quantity("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
+        TableColumn("low_ratio", "ratio, low order", unit, ratio): float(values[0]),
+        TableColumn("solid_ratio", "ratio, 3D", unit, ratio): float(values[1]),
     }
     for key, value in zip(combined.ERRORS, values[2:], strict=True):
         label = key.removesuffix("_error").replace("case", "case ").replace("_", " ")
-        row[Quantity(f"own_{key}", label, "points" if unit else f"% {WORDS['own']}", error)] = float(value)
+        row[TableColumn(f"own_{key}", label, "points" if unit else f"% {WORDS['own']}", error)] = float(value)
     return row
 
 
-def _cells_by_error_definition(c: combined.CombinationResult) -> Row:
+def _ratio_cells_and_errors_by_definition(result: combined.CombinationResult) -> Row:
     """Return table cells of a combination: largest over smallest load by both models, errors by both definitions."""
     row: Row = {
-        Quantity("low_ratio", "ratio, low order", "", ".3f"): c.low_ratio,
-        Quantity("solid_ratio", "ratio, 3D", "", ".3f"): c.solid_ratio,
+        TableColumn("low_ratio", "ratio, low order", "", ".3f"): result.low_order_load_ratio,
+        TableColumn("solid_ratio", "ratio, 3D", "", ".3f"): result.load_ratio_in_3d,
     }
     for definition in combined.DEFINITIONS:
-        for key, value in zip(combined.ERRORS, c.errors[definition], strict=True):
+        for key, value in zip(combined.ERRORS, result.errors_percent[definition], strict=True):
             label = key.removesuffix("_error").replace("case", "case ").replace("_", " ")
-            row[Quantity(f"{definition}_{key}", label, f"% {WORDS[definition]}", ".2f")] = value
+            row[TableColumn(f"{definition}_{key}", label, f"% {WORDS[definition]}", ".2f")] = value
     return row
 
 
@@ -475,18 +500,22 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
     """
     base, rows = found[0], []
     for c in found:
-        if len(c.low) + len(c.solid) > 1:
+        if len(c.low_order_combination) + len(c.combination_in_3d) > 1:
             continue
-        ratio, before = (c.low_ratio, base.low_ratio) if c.low else (c.solid_ratio, base.solid_ratio)
-        reading = (*c.low, *c.solid)
+        ratio, before = (
+            (c.low_order_load_ratio, base.low_order_load_ratio)
+            if c.low_order_combination
+            else (c.load_ratio_in_3d, base.load_ratio_in_3d)
+        )
+        reading = (*c.low_order_combination, *c.combination_in_3d)
         row: Row = {
-            "model": "low order" if c.low else "3D" if c.solid else "both",
+            "model": "low order" if c.low_order_combination else "3D" if c.combination_in_3d else "both",
             "reading": combination_in_words(reading),
-            "text": reading[0].by_text if reading else "",
-            Quantity("moves", "change of the load ratio", "%", "+.2f"): float(error_percent(ratio, before)),
+            "text": reading[0].contradiction_by_text if reading else "",
+            TableColumn("moves", "change of the load ratio", "%", "+.2f"): float(error_percent(ratio, before)),
         }
-        rows.append(row | _cells_by_error_definition(c))
-    return Table.of(
+        rows.append(row | _ratio_cells_and_errors_by_definition(c))
+    return Table.from_rows(
         "reconstruction-alone",
         "Largest over smallest load, and model errors (Lin 2.4.1) for each interpretation of Lin's text",
         rows,
@@ -501,12 +530,16 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     rows = [
         _combination_row(c)
         | {"text": "against it" if c.contradicts_text else "silent"}
-        | {Quantity("missed", "RMS of the six deviations", "", ".2f"): float(np.sqrt(np.mean(c.misses**2)))}
+        | {
+            TableColumn("missed", "RMS of the six deviations", "", ".2f"): float(
+                np.sqrt(np.mean(c.deviations_from_print**2))
+            )
+        }
         for c in found
     ]
     note = "Short names of interpretations, in the order of the preceding table; base: all choices by default. Deviations "
     note += "from the printed numbers: two load ratios in per cent, four errors in percentage points."
-    return Table.of(
+    return Table.from_rows(
         "reconstruction-combinations",
         f"Largest over smallest load, and model errors (Lin 2.4.1) for all {len(found)} combinations of interpretations",
         rows,
@@ -514,10 +547,13 @@ def combination_table(found: list[combined.CombinationResult]) -> Table:
     )
 
 
-def _combination_row(c: combined.CombinationResult) -> Row:
+def _combination_row(result: combined.CombinationResult) -> Row:
     """Return the table row of a combination of interpretations: short names, largest over smallest load, model errors."""
-    row: Row = {"low order": combination_key(c.low), "3D": combination_key(c.solid)}
-    return row | _cells_by_error_definition(c)
+    row: Row = {
+        "low order": combination_name(result.low_order_combination),
+        "3D": combination_name(result.combination_in_3d),
+    }
+    return row | _ratio_cells_and_errors_by_definition(result)
 
 
 def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
@@ -525,34 +561,34 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
 
     ``found``: results of the combinations.
     """
-    shown, aim = [*combined.combinations_shown_in_report(found).values()], combined.printed_load_ratio()
+    shown, aim = [*combined.explanations_shown_in_report(found).values()], combined.printed_load_ratio()
     others = [c for c in found if c not in shown]
-    printed_errors = combined.printed_errors()
+    printed_errors = combined.printed_errors_percent()
 
     def scatter_series(
-        pick: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
+        abscissa_and_ordinate: Callable[[combined.CombinationResult], tuple[float, float]], printed: tuple[float, float]
     ) -> tuple[Series, ...]:
         """Return markers for all combinations of interpretations, and a marker for the printed values.
 
-        ``pick``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and ordinate of the
-        printed values.
+        ``abscissa_and_ordinate``: function that returns abscissa and ordinate of a combination; ``printed``: abscissa and
+        ordinate of the printed values.
         """
         out = []
         for label, of, light in (("other combinations", others, True), ("explanations", shown, False)):
-            points = [pick(c) for c in of]
-            out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", light=light))
-        return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", emphasis=True))
+            points = [abscissa_and_ordinate(c) for c in of]
+            out.append(Series(label, [x for x, _ in points], [y for _, y in points], style="markers", pale=light))
+        return (*out, Series("printed", [printed[0]], [printed[1]], style="markers", bold=True))
 
     def case_errors(k: int) -> Callable[[combined.CombinationResult], tuple[float, float]]:
         """Return a function that returns RMS, then largest error [%] of a combination in case ``k`` + 1 of Lin's thesis."""
-        return lambda c: (c.errors["own"][2 * k + 1], c.errors["own"][2 * k])
+        return lambda c: (c.errors_percent["own"][2 * k + 1], c.errors_percent["own"][2 * k])
 
     panels = (
         Panel(
             "Largest over smallest load, case 1",
             "low-order model",
             "3D model",
-            scatter_series(lambda c: (c.low_ratio, c.solid_ratio), (aim, aim)),
+            scatter_series(lambda c: (c.low_order_load_ratio, c.load_ratio_in_3d), (aim, aim)),
         ),
         *(
             Panel(

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from rollbench.compare.cases.lin.evidence import steering
-from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, steering_gear
-from rollbench.compare.models.study import Study
+from rollbench.compare.cases.lin.evidence.steering import RACK, REACH, SCREW, shipped_steering_gear
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.results.load_curve import LoadCurve
 from rollbench.meshes.parts import Scene
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 ABOUT = (
     "Lash: displacement of the screw under a force that reverses. Axial test: force along the axis at the end of the "
@@ -42,10 +42,11 @@ def lash_figure(scene: Scene) -> Figure:
     axial, conical, peaks = [], [], []
     for pattern in steering.PATTERNS:
         screw = steering.arrange_balls_in_pattern(scene, pattern)
-        axial.append(_displacement_over_load_curve(pattern, steering.solve_axial_lash(screw, course)))
-        conical.append(_displacement_over_load_curve(pattern, steering.solve_conical_lash(screw, 0.0, REACH, course)))
+        axial.append(_lash_displacement_curve(pattern, steering.solve_axial_lash_test(screw, course)))
+        conical.append(_lash_displacement_curve(pattern, steering.solve_conical_lash_test(screw, 0.0, REACH, course)))
         displaced = [
-            steering.peak_to_peak(steering.solve_conical_lash(screw, float(np.radians(d)), REACH)) for d in degrees
+            steering.peak_to_peak_displacement(steering.solve_conical_lash_test(screw, float(np.radians(d)), REACH))
+            for d in degrees
         ]
         peaks.append(Series(pattern, degrees, [1e6 * x for x in displaced], "line"))
     spread = [steering.relative_range_percent([s.y[k] for s in peaks]) for k in range(len(degrees))]
@@ -55,64 +56,70 @@ def lash_figure(scene: Scene) -> Figure:
     panels = (
         Panel("axial test", "axial force / N", "displacement / µm", axial),
         Panel("conical test, force along x", f"lateral force {at} / N", "displacement / µm", conical),
-        Panel("conical test: lash", "direction of the force / deg", "peak to peak / µm", peaks, zero=True),
-        Panel("difference of the ball patterns", "direction of the force / deg", "difference / %", shown, zero=True),
+        Panel("conical test: lash", "direction of the force / deg", "peak to peak / µm", peaks, include_zero=True),
+        Panel(
+            "difference of the ball patterns", "direction of the force / deg", "difference / %", shown, include_zero=True
+        ),
     )
     return Figure("lash", "Lash of a ball screw with its balls arranged in four patterns (Lin 4.2)", panels, ABOUT[0])
 
 
-def _displacement_over_load_curve(name: str, test: LoadCurve) -> Series:
-    """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``test``: load curve."""
-    known = [(p.load, 1e6 * p.displacement) for p in test.points if p.displacement is not None]
+def _lash_displacement_curve(name: str, lash_test: LoadCurve) -> Series:
+    """Return the curve of displacement [um] over load [N] of a lash test; ``name``: legend; ``lash_test``: load curve."""
+    known = [(p.load, 1e6 * p.displacement) for p in lash_test.points if p.displacement is not None]
     return Series(name, [f for f, _ in known], [u for _, u in known], "line")
 
 
-def lash_rows(scene: Scene) -> list[Row]:
+def lash_difference_rows(scene: Scene) -> list[Row]:
     """Return table rows of the lash differences between ball patterns, one input changed at a time that Lin does not print.
 
     ``scene``: the ball screw with the usual inputs.
     """
     return [
         {
-            "changed": p.changed,
-            Quantity("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.diameter,
-            Quantity("position", "nut's centre", "mm", ".0f"): 1e3 * p.position,
-            Quantity("reach", "distance of the force from the nut", "mm", ".0f"): 1e3 * p.reach,
-            Quantity("restraint", "restraint of the left end", "", "s"): p.restraint,
-            Quantity("axial", "axial lash", "%", ".2f"): p.found.axial,
-            Quantity("least", "conical lash, smallest of all directions", "%", ".1f"): min(p.found.conical),
-            Quantity("most", "conical lash, largest", "%", ".1f"): max(p.found.conical),
-            Quantity("ordered", "axial below conical", "", "s"): _directions_with_smaller_axial_difference(p.found),
+            "changed": p.changed_input,
+            TableColumn("diameter", "outer diameter", "mm", ".0f"): 1e3 * p.screw_outer_diameter,
+            TableColumn("position", "nut's centre", "mm", ".0f"): 1e3 * p.nut_position,
+            TableColumn("reach", "distance of the force from the nut", "mm", ".0f"): 1e3 * p.force_distance,
+            TableColumn("restraint", "restraint of the left end", "", "s"): p.left_end_restraint,
+            TableColumn("axial", "axial lash", "%", ".2f"): p.differences.axial_percent,
+            TableColumn("least", "conical lash, smallest of all directions", "%", ".1f"): min(
+                p.differences.conical_percent
+            ),
+            TableColumn("most", "conical lash, largest", "%", ".1f"): max(p.differences.conical_percent),
+            TableColumn("ordered", "axial below conical", "", "s"): _directions_with_smaller_axial_difference(
+                p.differences
+            ),
         }
-        for p in steering.vary_lash_inputs(scene)
+        for p in steering.lash_differences_by_changed_input(scene)
     ]
 
 
-def _directions_with_smaller_axial_difference(found: steering.LashDifferences) -> str:
+def _directions_with_smaller_axial_difference(found: steering.RelativeLashDifferences) -> str:
     """Return in words for how many directions of the lateral force the axial test's difference is the smaller one.
 
     ``found``: differences of the lash between ball patterns, by the axial test and by the conical test (lateral force).
     """
-    count = sum(found.axial < x for x in found.conical)
-    return f"{count} of {len(found.conical)} directions"
+    count = sum(found.axial_percent < x for x in found.conical_percent)
+    return f"{count} of {len(found.conical_percent)} directions"
 
 
-def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
+def steering_gear_figure(layout_ratios: list[steering.GearLayoutLoadRatios]) -> Figure:
     """Draw load ratios of the steering gear over the pinion's position, and largest contact loads over the tie-rod angle.
 
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of
-    all layouts.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: load ratios
+    of all layouts.
     """
-    gear = steering_gear()
+    gear = shipped_steering_gear()
     panels = []
     for key, words in (("screw", "ball screw"), ("bearing", "four-point bearing")):
         printed = printed_value("lin-4.2.1", f"ratio_{key}")
         stations = [1e3 * z for z in steering.PINIONS]
-        series = [Series("printed", stations, [printed] * len(stations), "line", emphasis=True)]
-        for (hold, opposed), layout in _group_by_layout(points).items():
+        series = [Series("printed", stations, [printed] * len(stations), "line", bold=True)]
+        for (hold, opposed), layout in _group_ratios_by_layout(layout_ratios).items():
             label = hold + (", side forces opposed" if opposed else "")
             series.append(Series(label, stations, [getattr(p, key) for p in layout], "line"))
-        panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, zero=True))
+        panels.append(Panel(words, "pinion at / mm", "largest load, 18 deg over 0 deg", series, include_zero=True))
     loads = steering.largest_loads_over_tie_rod_angles(gear)
     for k, words in enumerate(("ball screw", "four-point bearing")):
         values = [pair[k] for pair in loads]
@@ -122,7 +129,7 @@ def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
                 "tie-rod angle / deg",
                 "largest load / N",
                 (Series("usual inputs", steering.ANGLES, values),),
-                zero=True,
+                include_zero=True,
             )
         )
     caption = "Load ratio: largest contact load at a tie-rod angle of 18° over that at 0°. Bearing: at the nut's centre."
@@ -131,54 +138,54 @@ def steering_gear_figure(points: list[steering.LoadRatiosOfLayout]) -> Figure:
     )
 
 
-def _group_by_layout(
-    points: list[steering.LoadRatiosOfLayout],
-) -> dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]]:
+def _group_ratios_by_layout(
+    layout_ratios: list[steering.GearLayoutLoadRatios],
+) -> dict[tuple[str, bool], list[steering.GearLayoutLoadRatios]]:
     """Group the steering gear's load ratios by restraint of the pinion and direction of the tie rods' lateral forces.
 
     The keys are pairs: restraint of the pinion; whether the lateral forces of both tie rods have opposite directions.
-    ``points``: load ratios of all layouts; only those with the bearing at the nut's centre are grouped.
+    ``layout_ratios``: load ratios of all layouts; only those with the bearing at the nut's centre are grouped.
     """
-    out: dict[tuple[str, bool], list[steering.LoadRatiosOfLayout]] = {}
-    for p in points:
-        if p.offset == 0.0:
-            out.setdefault((p.hold, p.opposed), []).append(p)
+    out: dict[tuple[str, bool], list[steering.GearLayoutLoadRatios]] = {}
+    for p in layout_ratios:
+        if p.bearing_offset == 0.0:
+            out.setdefault((p.pinion_restraint, p.side_forces_opposed), []).append(p)
     return out
 
 
-def load_ratio_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
-    """Return the table rows of the steering gear's load ratios, one for each layout in ``points``.
+def load_ratio_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[Row]:
+    """Return the table rows of the steering gear's load ratios, one for each layout in ``layout_ratios``.
 
     A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg.
     """
     return [
         {
-            Quantity("hold", "pinion", "", "s"): p.hold,
-            Quantity("sense", "side forces", "", "s"): "opposed" if p.opposed else "alike",
-            Quantity("offset", "bearing from the nut's centre", "mm", ".0f"): 1e3 * p.offset,
-            Quantity("pinion", "pinion at", "mm", ".0f"): 1e3 * p.pinion,
-            Quantity("screw", "ball screw", "", ".2f"): p.screw,
-            Quantity("bearing", "bearing", "", ".2f"): p.bearing,
+            TableColumn("hold", "pinion", "", "s"): p.pinion_restraint,
+            TableColumn("sense", "side forces", "", "s"): "opposed" if p.side_forces_opposed else "alike",
+            TableColumn("offset", "bearing from the nut's centre", "mm", ".0f"): 1e3 * p.bearing_offset,
+            TableColumn("pinion", "pinion at", "mm", ".0f"): 1e3 * p.pinion_position,
+            TableColumn("screw", "ball screw", "", ".2f"): p.screw,
+            TableColumn("bearing", "bearing", "", ".2f"): p.bearing,
         }
-        for p in points
+        for p in layout_ratios
     ]
 
 
-def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row]:
+def load_ratio_range_rows(layout_ratios: list[steering.GearLayoutLoadRatios]) -> list[Row]:
     """Return the table rows of the ranges of the steering gear's load ratios, one for each input that Lin does not print.
 
-    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``points``: load ratios of all
-    layouts; the last row has their range.
+    A load ratio is the largest contact load at a tie-rod angle of 18 deg over that at 0 deg. ``layout_ratios``: load ratios
+    of all layouts; the last row has their range.
     """
     rows = []
-    for b in (*steering.load_ratio_ranges(steering_gear()), steering.load_ratio_range_over_layouts(points)):
-        row: Row = {"changed": b.changed, Quantity("values", "stated range", "", "s"): b.values}
+    for b in (*steering.load_ratio_ranges(shipped_steering_gear()), steering.load_ratio_range_over_layouts(layout_ratios)):
+        row: Row = {"changed": b.changed_input, TableColumn("values", "stated range", "", "s"): b.input_range}
         for key, words in (("screw", "ball screw"), ("bearing", "bearing")):
             (low, high), printed = getattr(b, key), printed_value("lin-4.2.1", f"ratio_{key}")
             row |= {
-                Quantity(f"{key}_low", f"{words}, least", "", ".2f"): low,
-                Quantity(f"{key}_high", f"{words}, largest", "", ".2f"): high,
-                Quantity(f"{key}_in", f"{printed:g} (printed) in it", "", "s"): "yes"
+                TableColumn(f"{key}_low", f"{words}, least", "", ".2f"): low,
+                TableColumn(f"{key}_high", f"{words}, largest", "", ".2f"): high,
+                TableColumn(f"{key}_in", f"{printed:g} (printed) in it", "", "s"): "yes"
                 if steering.range_contains((low, high), printed)
                 else "no",
             }
@@ -186,18 +193,18 @@ def load_ratio_range_rows(points: list[steering.LoadRatiosOfLayout]) -> list[Row
     return rows
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> Section:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Section:
     """Return the report's section on the lash tests and the steering gear of section 4.2 of Lin's thesis.
 
-    ``study``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
+    ``cache``: gives the scenes included with rollbench; ``step``: function that receives a message before each step.
     """
     step("lash tests")
-    scene = study.scene(SCREW)
-    study.record_used_scenes((RACK,))
+    scene = cache.built_in_scene(SCREW)
+    cache.record_used_scenes((RACK,))
     figures = [lash_figure(scene)]
-    lash = lash_rows(scene)
+    lash = lash_difference_rows(scene)
     step("steering gear")
-    points = list(steering.load_ratios_of_all_layouts(steering_gear()))
+    points = list(steering.load_ratios_of_all_layouts(shipped_steering_gear()))
     figures.append(steering_gear_figure(points))
     return Section(
         "steering",
@@ -205,18 +212,18 @@ def make_section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(ABOUT, bullets=True),
             figures[0],
-            Table.of(
+            Table.from_rows(
                 "lash-inputs",
                 "Difference of lash between ball patterns (Lin 4.2), with one unprinted input changed at a time",
                 lash,
             ),
             figures[1],
-            Table.of(
+            Table.from_rows(
                 "rack-bands",
                 "Steering gear (Lin 4.2): largest load at 18° over that at 0°, range over each input that is not printed",
                 load_ratio_range_rows(points),
             ),
-            Table.of(
+            Table.from_rows(
                 "rack-layouts",
                 "Steering gear (Lin 4.2): largest load at 18° over that at 0°, by layout of pinion, tie rods and bearing",
                 load_ratio_rows(points),

@@ -7,50 +7,50 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from rollbench.compare.case import CASES
 from rollbench.compare.cases.lin.evidence import chapter_2
-from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_pair
+from rollbench.compare.cases.lin.evidence.rotary_linear import solve_linear_ball_pair
 from rollbench.compare.cases.lin.pages.friction import bearing_torque_figure, rotary_bearing_torque_figure
-from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, RunTimes, stored_run_times
-from rollbench.compare.evidence import Evidence, evidence
+from rollbench.compare.cases.lin.times import LINEAR, SCREW, STATIC, ModelRunTimes, stored_run_times
+from rollbench.compare.evidence import PrintedEntryComparison, evidence
 from rollbench.compare.measure import error_percent, load_error
-from rollbench.compare.models.study import Study, with_conformity
+from rollbench.compare.models.study import SceneResultCache, with_conformity
 from rollbench.compare.printed import printed_entry, printed_table_names, printed_value
 from rollbench.compare.reference.convergence import relative_cell_size
 from rollbench.compare.reference.levels import SOURCE_LEVEL
-from rollbench.compare.reference.store import load_run, shipped_store
+from rollbench.compare.reference.store import load_stored_run, shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind as case_of
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.sections.curves import contact_load_curve, contact_load_panel
 from rollbench.compare.sections.source_tables import (
     PrintedLayout,
-    computation_tables,
-    input_data_table,
+    counts_of_reproduced_numbers_table,
     printed_and_computed_table,
-    read_layouts,
-    reproduced_counts_table,
-    side_by_side_table_of_layout,
+    printed_and_computed_table_in_layout,
+    printed_input_table,
+    read_table_layouts,
+    tables_on_computation_of_numbers,
 )
 from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.compare.studies.rolling import runs as rolling
-from rollbench.compare.studies.run_times import run_times_for_page
+from rollbench.compare.studies.run_times import run_times_for_report_page
 from rollbench.meshes.section import nodes_of_whole_beam
-from rollbench.reports.content import Figure, Panel, Quantity, Row, Section, Series, Table, Text
+from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
 LIN = next(case for case in CASES if case.name == "lin")
 #: Computer and programs of the printed run times (footnotes of Tables 2.2 and 3.5, sections 3.4.3 and 2.4.1).
 MACHINE = "Intel Core i7-3770, 3.40 GHz, 16 GB; ANSYS Workbench 16.2, and Lin's own program"
 UNITS = {"s": 1.0, "h": 3600.0}
 
-LOW = Quantity("cold", "ours, cold start", "s", "g3"), Quantity("further", "ours, further load case", "s", "g3")
+LOW = TableColumn("cold", "ours, cold start", "s", "g3"), TableColumn("further", "ours, further load case", "s", "g3")
 RATIO = {
-    "printed": Quantity("r_printed", "faster than ANSYS, printed", "times", "g4"),
-    "cold": Quantity("r_cold", "faster than our 3D, cold start", "times", "g3"),
-    "further": Quantity("r_further", "faster than our 3D, further load case", "times", "g3"),
+    "printed": TableColumn("r_printed", "faster than ANSYS, printed", "times", "g4"),
+    "cold": TableColumn("r_cold", "faster than our 3D, cold start", "times", "g3"),
+    "further": TableColumn("r_further", "faster than our 3D, further load case", "times", "g3"),
 }
-OLDER = Quantity("older", "ours, earlier measurement", "", "s")
-ELEMENTS = Quantity("n_printed", "elements, printed", "", "s"), Quantity("n_ours", "elements, ours", "", "s")
-SOURCES_OWN = Quantity("sources", "low-order against ANSYS, printed", "%", ".2f")
-DIAGONAL = Quantity("diagonal", "low-order, equal loads on each diagonal", "", "g5")
-OTHER_GROOVE = Quantity("groove", f"low-order, groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
+OLDER = TableColumn("older", "ours, earlier measurement", "", "s")
+ELEMENTS = TableColumn("n_printed", "elements, printed", "", "s"), TableColumn("n_ours", "elements, ours", "", "s")
+SOURCES_OWN = TableColumn("sources", "low-order against ANSYS, printed", "%", ".2f")
+DIAGONAL = TableColumn("diagonal", "low-order, equal loads on each diagonal", "", "g5")
+OTHER_GROOVE = TableColumn("groove", f"low-order, groove radius {chapter_2.TABLE_CONFORMITY:g} x ball diameter", "", "g5")
 
 #: Scene and model, by name of the printed run time.
 TIMED = {f"lin-2.2:time_proposed_{k}": (name, "lin") for k, name in STATIC.items()}
@@ -64,7 +64,7 @@ TIMED |= {f"lin-3.7:time_{case}": (name, "numerical") for case, name in SCREW.it
 TIMED |= {f"lin-3.7:time_ansys_{case}": (name, "3D") for case, name in SCREW.items()}
 
 
-def printed_run_time(name: str) -> float:
+def printed_run_time_seconds(name: str) -> float:
     """Return a printed run time [s]; ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1"."""
     one = printed_entry(*name.split(":"))
     return UNITS[one.unit] * (one.value or 0.0)
@@ -78,140 +78,150 @@ def printed_element_count(table: str, key: str) -> str:
     return f"{printed_value(table, key):,.0f}"
 
 
-def model_size_in_3d_in_words(study: Study, name: str) -> str:
+def model_size_in_3d_in_words(cache: SceneResultCache, name: str) -> str:
     """Return in words the number of unknowns or cells of a scene's finest stored 3D model; empty if none is stored.
 
-    ``study``: gives stored 3D results; ``name``: name of the scene.
+    ``cache``: gives stored 3D results; ``name``: name of the scene.
     """
     if name in STATIC.values():
-        found = study.reference(name)
+        found = cache.stored_reference(name)
         return (
             "" if found is None else f"{found.best.unknowns:,} unknowns of the equivalent mesh (level {found.best.level})"
         )
-    run = rolling.load_run(case_of(name, KindScene), max(rolling.LEVELS), study.stores or (shipped_store(),))
+    run = rolling.load_rolling_run(
+        case_of(name, FrictionScene), max(rolling.LEVELS), cache.reference_folders or (shipped_store(),)
+    )
     return "" if run is None else f"{run.shape[0]} x {run.shape[1]} cells a contact"
 
 
-def beam_element_count_in_words(study: Study, name: str) -> str:
+def beam_element_count_in_words(cache: SceneResultCache, name: str) -> str:
     """Return in words the number of beam elements in a scene's low-order model, by default and with Lin's partition.
 
-    ``study``: gives the scenes included with rollbench; ``name``: name of the scene.
+    ``cache``: gives the scenes included with rollbench; ``name``: name of the scene.
     """
     return (
-        f"{len(nodes_of_whole_beam(study.scene(name))) - 1} ({chapter_2.beam_element_count_of_lin_partition(study)} with "
+        f"{len(nodes_of_whole_beam(cache.built_in_scene(name))) - 1} "
+        f"({chapter_2.beam_element_count_of_lin_partition(cache)} with "
         "Lin's partition)"
     )
 
 
-def printed_and_own_model_size(study: Study, name: str, model: str) -> tuple[str, str]:
+def printed_and_own_model_size(cache: SceneResultCache, name: str, model: str) -> tuple[str, str]:
     """Return in words the printed size of a model whose run time is printed, then the size of this package's model.
 
     Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
     ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     if model == "lin":
-        return printed_element_count("lin-2.2", "elements_proposed"), beam_element_count_in_words(study, name)
+        return printed_element_count("lin-2.2", "elements_proposed"), beam_element_count_in_words(cache, name)
     if model != "3D":
         return "", ""
     table, key = ("lin-2.2", "elements_ansys") if name in STATIC.values() else ("lin-3.5", "elements_ansys")
     if name in SCREW.values():
         table, key = "lin-3.7", f"elements_{name[-1]}"
-    return printed_element_count(table, key), model_size_in_3d_in_words(study, name)
+    return printed_element_count(table, key), model_size_in_3d_in_words(cache, name)
 
 
-def run_time_ratio(slow: float | None, fast: float | None) -> float | None:
-    """Return the run time ``slow`` divided by ``fast``; None if one of them is missing or zero."""
-    return None if not slow or not fast else slow / fast
+def run_time_ratio(slow_seconds: float | None, fast_seconds: float | None) -> float | None:
+    """Return the run time ``slow_seconds`` divided by ``fast_seconds``; None if one of them is missing or zero."""
+    return None if not slow_seconds or not fast_seconds else slow_seconds / fast_seconds
 
 
-def run_times_table(study: Study, layout: PrintedLayout, found: Mapping[str, Evidence]) -> Table:
+def run_times_table(cache: SceneResultCache, layout: PrintedLayout, found: Mapping[str, PrintedEntryComparison]) -> Table:
     """Return the table of run times and model sizes for a table of Lin's thesis: printed and measured, with their ratios.
 
-    ``study``: gives stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values
+    ``cache``: gives stored run times; ``layout``: rows and columns of the table in the thesis; ``found``: printed values
     with the computed ones, by name ``table:key``.
     """
     names = [
         (label, head, n) for label, row in layout.rows for head, n in zip(layout.columns, row, strict=True) if n in TIMED
     ]
-    ansys = {TIMED[n][0]: printed_run_time(n) for _, _, n in names if TIMED[n][1] == "3D"}
+    ansys = {TIMED[n][0]: printed_run_time_seconds(n) for _, _, n in names if TIMED[n][1] == "3D"}
     rows: list[Row] = []
     for label, head, name in names:
         scene, way = TIMED[name]
-        own = stored_run_times(study, scene, way)
-        solid, slow = (RunTimes(), None) if way == "3D" else (stored_run_times(study, scene, "3D"), ansys[scene])
+        own = stored_run_times(cache, scene, way)
+        solid, slow = (ModelRunTimes(), None) if way == "3D" else (stored_run_times(cache, scene, "3D"), ansys[scene])
         rows.append(
             {
-                Quantity("label", "number", "", "s"): label,
-                Quantity("column", "column", "", "s"): head,
-                Quantity("printed", "printed", "", "s"): f"{found[name].printed.printed} {found[name].printed.unit}",
-                RATIO["printed"]: run_time_ratio(slow, printed_run_time(name)),
-                LOW[0]: own.cold,
-                LOW[1]: own.further,
-                OLDER: own.older,
-                RATIO["cold"]: run_time_ratio(solid.cold, own.cold),
-                RATIO["further"]: run_time_ratio(solid.further, own.further),
-                **dict(zip(ELEMENTS, printed_and_own_model_size(study, scene, way), strict=True)),
+                TableColumn("label", "number", "", "s"): label,
+                TableColumn("column", "column", "", "s"): head,
+                TableColumn(
+                    "printed", "printed", "", "s"
+                ): f"{found[name].printed.number_as_printed} {found[name].printed.unit}",
+                RATIO["printed"]: run_time_ratio(slow, printed_run_time_seconds(name)),
+                LOW[0]: own.cold_start_seconds,
+                LOW[1]: own.further_load_case_seconds,
+                OLDER: own.earlier_measurement,
+                RATIO["cold"]: run_time_ratio(solid.cold_start_seconds, own.cold_start_seconds),
+                RATIO["further"]: run_time_ratio(solid.further_load_case_seconds, own.further_load_case_seconds),
+                **dict(zip(ELEMENTS, printed_and_own_model_size(cache, scene, way), strict=True)),
                 "verdict": found[name].verdict,
                 "how": f"how-{found[name].printed.table}",
             }
         )
-    note = f"The text: {SPEED[layout.number]}. {run_times_note(study)}"
-    return Table.of(
+    note = f"The text: {SPEED[layout.number]}. {run_times_note(cache)}"
+    return Table.from_rows(
         layout.stem("times"), f"Lin's Table {layout.number}: printed and measured run times", rows, note, unfolded=True
     )
 
 
-def error_or_none(value: float | None, reference: float | None) -> float | None:
+def error_percent_or_none(value: float | None, reference: float | None) -> float | None:
     """Return the error [%] of ``value`` against ``reference``; None if one of them is None."""
     return None if value is None or reference is None else float(error_percent(value, reference))
 
 
-def table_3_4_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.4, by name of the printed number beside which they stand.
 
     They are velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at both
-    contacts of each diagonal. ``study``: not used here.
+    contacts of each diagonal. ``cache``: not used here.
     """
-    found = {case: 100.0 * solve_linear_pair(loads="diagonal", mated=case == "b").free.deviation for case in "ab"}
+    found = {
+        case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").apart.velocity_deviation for case in "ab"
+    }
     cells = {(case, k): float(value[k - 1]) for case, value in found.items() for k in (1, 2)}
     return {f"lin-3.4:{c}_eps{k}_numerical": {DIAGONAL: x if abs(x) > 1e-9 else 0.0} for (c, k), x in cells.items()}
 
 
-def table_3_5_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.5, by name of the printed number beside which they stand.
 
     They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
-    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``study``: not used here.
+    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``cache``: not used here.
     """
     low, ansys = (printed_value("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
         SOURCES_OWN: printed_value("lin-3.5", "error_numerical"),
-        DIAGONAL: solve_linear_pair(loads="diagonal").force,
+        DIAGONAL: solve_linear_ball_pair(loads="diagonal").ball_to_ball_force,
     }
-    return {"lin-3.5:a_force_numerical": numerical, "lin-3.5:a_force_analytic": {SOURCES_OWN: error_or_none(low, ansys)}}
+    return {
+        "lin-3.5:a_force_numerical": numerical,
+        "lin-3.5:a_force_analytic": {SOURCES_OWN: error_percent_or_none(low, ansys)},
+    }
 
 
-def table_3_7_extra_cells(study: Study) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
+def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.7, by name of the printed force beside which they stand.
 
-    They are printed differences from ANSYS [%]. ``study``: not used here.
+    They are printed differences from ANSYS [%]. ``cache``: not used here.
     """
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: printed_value("lin-3.7", f"difference_{case}")} for case in SCREW}
 
 
-def table_b_1_extra_cells(study: Study) -> dict[str, Row]:
+def table_b_1_extra_cells(cache: SceneResultCache) -> dict[str, Row]:
     """Return further cells for the report's copy of Lin's Table B.1, by name of the printed number beside which they stand.
 
     They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
-    scene = with_conformity(study.scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
-    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_table_b_1(scene).items()}
+    scene = with_conformity(cache.built_in_scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
+    return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_values_of_table_b_1(scene).items()}
 
 
 #: Functions that return further cells, by number of the table.
-MORE: Mapping[str, Callable[[Study], dict[str, Row]]] = {
+MORE: Mapping[str, Callable[[SceneResultCache], dict[str, Row]]] = {
     "3.4": table_3_4_extra_cells,
     "3.5": table_3_5_extra_cells,
     "3.7": table_3_7_extra_cells,
@@ -250,7 +260,7 @@ WHY = {
 }
 
 
-def reason_without_3d(name: str) -> str:
+def reason_for_missing_3d_value(name: str) -> str:
     """Return the reason why a printed number has no 3D value, empty if none is given.
 
     ``name``: table and key of the printed number, such as "lin-2.2:time_ansys_1".
@@ -258,48 +268,50 @@ def reason_without_3d(name: str) -> str:
     return next((text for start, text in WHY.items() if name.startswith(start)), "")
 
 
-def run_time_and_size_texts(study: Study) -> dict[str, str]:
+def run_time_and_size_texts(cache: SceneResultCache) -> dict[str, str]:
     """Return texts on run times and model sizes, to be shown in Lin's tables instead of computed numbers.
 
     The keys are names of printed numbers, such as "lin-2.2:time_ansys_1".
 
-    ``study``: gives stored run times and 3D results.
+    ``cache``: gives stored run times and 3D results.
     """
 
-    def time_text(name: str, way: str) -> str:
-        """Return in words the run times of the scene ``name`` by the model ``way``, as in `stored_run_times`."""
-        found = stored_run_times(study, name, way)
-        return found.older or (
-            "–" if found.cold is None else f"{found.cold:.3g} s cold, {found.further or 0.0:.2g} s further"
+    def time_text(name: str, model: str) -> str:
+        """Return in words the run times of the scene ``name`` by the model ``model``, as in `stored_run_times`."""
+        found = stored_run_times(cache, name, model)
+        return found.earlier_measurement or (
+            "–"
+            if found.cold_start_seconds is None
+            else f"{found.cold_start_seconds:.3g} s cold, {found.further_load_case_seconds or 0.0:.2g} s further"
         )
 
     out = {name: time_text(*of) for name, of in TIMED.items()}
     out |= {
-        "lin-2.2:elements_proposed": beam_element_count_in_words(study, STATIC[1]),
-        "lin-2.2:elements_ansys": model_size_in_3d_in_words(study, STATIC[1]),
+        "lin-2.2:elements_proposed": beam_element_count_in_words(cache, STATIC[1]),
+        "lin-2.2:elements_ansys": model_size_in_3d_in_words(cache, STATIC[1]),
     }
-    out |= {f"lin-3.7:elements_{case}": model_size_in_3d_in_words(study, name) for case, name in SCREW.items()}
-    return out | {"lin-3.5:elements_ansys": model_size_in_3d_in_words(study, LINEAR["a"])}
+    out |= {f"lin-3.7:elements_{case}": model_size_in_3d_in_words(cache, name) for case, name in SCREW.items()}
+    return out | {"lin-3.5:elements_ansys": model_size_in_3d_in_words(cache, LINEAR["a"])}
 
 
 # --- figures
 
 
-def case_study_loads_figure(study: Study) -> Figure:
+def case_study_loads_figure(cache: SceneResultCache) -> Figure:
     """Draw contact loads over the ball's number in Lin's case studies, by low-order model and 3D reference.
 
     Lin's statements on the loads are shown as markers and lines.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     panels = []
     for k, name in STATIC.items():
-        low, found = study.solve(name), study.reference(name)
+        low, found = cache.solve_once(name), cache.stored_reference(name)
         series = [contact_load_curve("low-order (Lin's model)", low, 0, emphasis=True)]
         if found is not None:
             series.append(contact_load_curve(f"3D reference, level {found.best.level}", found, 0, "line"))
-        panels.append(contact_load_panel(f"case study {k}, SL", *series, *MARKS[k](study)))
-    plain, offset = study.solve("lin-case3"), study.solve("lin-case3-offset")
+        panels.append(contact_load_panel(f"case study {k}, SL", *series, *MARKS[k](cache)))
+    plain, offset = cache.solve_once("lin-case3"), cache.solve_once("lin-case3-offset")
     last = Series("printed: SR and NL of the last few balls increase most", [32.0], [float(offset.load[31, 1])], "markers")
     curves = (
         contact_load_curve("SR, offset of 300 µm", offset, 1, emphasis=True),
@@ -318,59 +330,65 @@ def case_study_loads_figure(study: Study) -> Figure:
     )
 
 
-def _case_1_marks(study: Study) -> list[Series]:
+def _case_1_statement_curves(cache: SceneResultCache) -> list[Series]:
     """Return the curve of case 1's contact loads by Mei's model, and a line at the smallest load times the printed ratio.
 
-    The ratio is that of the largest to the smallest load. ``study``: gives the solved scenes.
+    The ratio is that of the largest to the smallest load. ``cache``: gives the solved scenes.
     """
-    load = study.solve("lin-case1").load[:, 0]
+    load = cache.solve_once("lin-case1").load[:, 0]
     printed = printed_value("lin-2.4.1", "case1_ratio") * float(load.min())
-    mei = contact_load_curve("Mei: uniformly decreasing", study.solve("lin-case1", "mei"), 0, "line")
+    mei = contact_load_curve("Mei: uniformly decreasing", cache.solve_once("lin-case1", "mei"), 0, "line")
     return [mei, Series("printed: largest is 1.34 times the smallest", [1.0, 32.0], [printed, printed], "line")]
 
 
-def _case_2_marks(study: Study) -> list[Series]:
+def _case_2_statement_curves(cache: SceneResultCache) -> list[Series]:
     """Return a marker at ball 17 of case 2, whose contact load rises according to Lin's text.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
-    load = study.solve("lin-case2").load
+    load = cache.solve_once("lin-case2").load
     return [Series("printed: abrupt increase at ball 17 alone", [17.0], [float(load[16, 0])], "markers")]
 
 
-def _case_3_marks(study: Study) -> list[Series]:
+def _case_3_statement_curves(cache: SceneResultCache) -> list[Series]:
     """Return the curve of case 3's contact loads without lateral offset of the right end.
 
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
-    return [contact_load_curve("low-order, no offset", study.solve("lin-case3"), 0, "line")]
+    return [contact_load_curve("low-order, no offset", cache.solve_once("lin-case3"), 0, "line")]
 
 
-MARKS: Mapping[int, Callable[[Study], list[Series]]] = {1: _case_1_marks, 2: _case_2_marks, 3: _case_3_marks}
+MARKS: Mapping[int, Callable[[SceneResultCache], list[Series]]] = {
+    1: _case_1_statement_curves,
+    2: _case_2_statement_curves,
+    3: _case_3_statement_curves,
+}
 
 
-def error_over_cell_size_figure(study: Study) -> Figure:
+def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
     """Draw the errors of contact loads and ball-to-ball forces in 3D against the finest grid, over the cell size.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     static, balls = [], []
     for name in STATIC.values():
-        found = study.reference(name)
+        found = cache.stored_reference(name)
         if found is None:
             continue
-        coarse = load_run(study.scene(name), SOURCE_LEVEL, stores=study.stores)
+        coarse = load_stored_run(cache.built_in_scene(name), SOURCE_LEVEL, stores=cache.reference_folders)
         runs = [*([coarse] if coarse is not None else []), *found.runs[:-1]]
         sizes = [relative_cell_size(r.settings) / found.sizes[-1] for r in runs]
         errors = [load_error(r.load, found.load, found.contacts).own_max_percent for r in runs]
         static.append(Series(f"{name}, 3D", sizes, errors))
-        low = load_error(study.solve(name).load, found.load, found.contacts).own_max_percent
-        static.append(Series(f"{name}, low-order", [1.0, max(sizes)], [low, low], "line", light=True))
+        low = load_error(cache.solve_once(name).load, found.load, found.contacts).own_max_percent
+        static.append(Series(f"{name}, low-order", [1.0, max(sizes)], [low, low], "line", pale=True))
     printed = printed_value("lin-2.4.1", "case1_max_error")
     static.append(Series("printed: low-order against ANSYS, case 1", [1.0, 4.0], [printed, printed], "line"))
     for name in (LINEAR["a"], *SCREW.values()):
-        stores = study.stores or (shipped_store(),)
-        found_runs = [rolling.load_run(case_of(name, KindScene), level, stores) for level in (0, *rolling.LEVELS)]
+        stores = cache.reference_folders or (shipped_store(),)
+        found_runs = [
+            rolling.load_rolling_run(case_of(name, FrictionScene), level, stores) for level in (0, *rolling.LEVELS)
+        ]
         good = [run for run in found_runs if run is not None]
         if len(good) > 1:
             finest = good[-1].values["force 1-2 N"]
@@ -379,8 +397,8 @@ def error_over_cell_size_figure(study: Study) -> Figure:
             balls.append(Series(f"{name}, 3D", cells, off))
     axes = "cell size over that of the finest grid", "largest error / % of each load"
     panels = (
-        Panel("contact loads (Table 2.2)", *axes, tuple(static), log="xy"),
-        Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log="xy"),
+        Panel("contact loads (Table 2.2)", *axes, tuple(static), log_axes="xy"),
+        Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log_axes="xy"),
     )
     caption = (
         "Errors against the finest mesh; pale lines: low-order model. The coarsest point has the element sizes of Lin's "
@@ -389,51 +407,53 @@ def error_over_cell_size_figure(study: Study) -> Figure:
     return Figure("lin-mesh", "Lin's case studies: error of the 3D models over the size of their cells", panels, caption)
 
 
-def case_study_rows(study: Study) -> Iterator[Row]:
+def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
     """Yield table rows of Lin's case studies: largest and smallest load, and errors against the 3D reference, by model.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     for k, name in STATIC.items():
-        found = study.reference(name)
+        found = cache.stored_reference(name)
         if found is None:
             continue
         keys = [f"case{k}_{what}_error" for what in ("max", "rms")] if k < 3 else []
-        answers = {"3D reference": found.load} | {model: study.solve(name, model).load for model in ("lin", "refined")}
+        answers = {"3D reference": found.load} | {model: cache.solve_once(name, model).load for model in ("lin", "refined")}
         for model, value in answers.items():
             e = load_error(value, found.load, found.contacts)
             apart = model != "3D reference"
-            shown = " / ".join(printed_entry("lin-2.4.1", key).printed for key in keys) if model == "lin" else ""
+            shown = " / ".join(printed_entry("lin-2.4.1", key).number_as_printed for key in keys) if model == "lin" else ""
             loaded = value[value > 0.0]
             yield {
-                Quantity("case", "case study", "", "s"): str(k),
+                TableColumn("case", "case study", "", "s"): str(k),
                 "scene": name,
-                Quantity("model", "model", "", "s"): model,
-                Quantity("max", "largest load", "N", ".2f"): float(loaded.max()),
-                Quantity("min", "smallest load", "N", ".2f"): float(loaded.min()),
-                Quantity("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.largest_over_smallest_load(value[:, 0]),
-                Quantity("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
-                Quantity("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
-                Quantity("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
-                Quantity("printed", "printed: against ANSYS, maximum / RMS", "%", "s"): shown,
+                TableColumn("model", "model", "", "s"): model,
+                TableColumn("max", "largest load", "N", ".2f"): float(loaded.max()),
+                TableColumn("min", "smallest load", "N", ".2f"): float(loaded.min()),
+                TableColumn("ratio", "largest : smallest on SL", "", ".4f"): chapter_2.largest_over_smallest_load(
+                    value[:, 0]
+                ),
+                TableColumn("own_max", "largest error", "% of own load", ".2f"): e.own_max_percent if apart else None,
+                TableColumn("own_rms", "RMS error", "% of own load", ".2f"): e.own_rms_percent if apart else None,
+                TableColumn("mean_max", "largest error", "% of mean", ".2f"): e.max_percent if apart else None,
+                TableColumn("printed", "printed: against ANSYS, maximum / RMS", "%", "s"): shown,
             }
 
 
-def case_study_table(study: Study) -> Table:
+def case_study_loads_and_errors_table(cache: SceneResultCache) -> Table:
     """Return the table of loads and errors of Lin's case studies by model.
 
-    ``study``: gives solved scenes and stored 3D references.
+    ``cache``: gives solved scenes and stored 3D references.
     """
     title = "Lin's case studies: largest and smallest contact load, and errors against the 3D reference, by model"
     note = (
         "Case 3: the right end is restrained in x and y, as by a bearing; table cases-readings has the loads for a "
         "restraint in x only, as Lin's text says. Command for case 1: rollbench compare lin-case1."
     )
-    return Table.of("lin-answers", title, case_study_rows(study), note)
+    return Table.from_rows("lin-answers", title, case_study_load_and_error_rows(cache), note)
 
 
-FIGURES: Mapping[str, tuple[Callable[[Study], Table | Figure], ...]] = {
-    "2.2": (case_study_table, case_study_loads_figure, error_over_cell_size_figure),
+FIGURES: Mapping[str, tuple[Callable[[SceneResultCache], Table | Figure], ...]] = {
+    "2.2": (case_study_loads_and_errors_table, case_study_loads_figure, error_over_cell_size_figure),
     "3.2": (lambda _: rotary_bearing_torque_figure(),),
     "4.2": (lambda _: bearing_torque_figure(),),
 }
@@ -447,22 +467,22 @@ GUIDE = (
 )
 
 
-def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ...]:
+def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[Section, ...]:
     """Return the report's sections with the tables of Lin's thesis.
 
-    ``study``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
+    ``cache``: gives solved scenes and stored 3D references; ``step``: function that receives a message before each step.
     """
     step("printed numbers of the thesis")
     names = [name for name in printed_table_names() if name.startswith("lin-")]
-    found = {f.printed.name: f for f in evidence(study, *names)}
-    every = read_layouts(LIN)
+    found = {f.printed.name: f for f in evidence(cache, *names)}
+    every = read_table_layouts(LIN)
     placed = {name for layout in every for name in layout.names}
     claims = [f for f in found.values() if f.printed.claim and f.printed.name not in placed]
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
     first = Section(
         "lin",
         "Lin's thesis: how many of its printed numbers are reproduced, by table and section",
-        (Text((GUIDE,)), reproduced_counts_table(list(found.values()))),
+        (Text((GUIDE,)), counts_of_reproduced_numbers_table(list(found.values()))),
         conclusion=printed_results_conclusion(found.values()),
     )
     last = (
@@ -484,12 +504,16 @@ def make_section(study: Study, step: Callable[[str], None]) -> tuple[Section, ..
                 ),
             ),
         ),
-        Section("lin-how", "How each printed number of Lin's thesis is recomputed", tuple(computation_tables(names))),
+        Section(
+            "lin-how",
+            "How each printed number of Lin's thesis is recomputed",
+            tuple(tables_on_computation_of_numbers(names)),
+        ),
     )
-    return first, *(printed_table_section(study, layout, found) for layout in every), *last
+    return first, *(printed_table_section(cache, layout, found) for layout in every), *last
 
 
-def printed_results_conclusion(found: Iterable[Evidence]) -> str:
+def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
     """Return the sentence on how many printed results are reproduced, contradicted or not determined by the text.
 
     ``found``: printed values and claims with the computed ones.
@@ -506,30 +530,32 @@ def printed_results_conclusion(found: Iterable[Evidence]) -> str:
     )
 
 
-def printed_table_section(study: Study, layout: PrintedLayout, found: Mapping[str, Evidence]) -> Section:
+def printed_table_section(
+    cache: SceneResultCache, layout: PrintedLayout, found: Mapping[str, PrintedEntryComparison]
+) -> Section:
     """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
 
     ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
-    ``study``: gives the solved scenes.
+    ``cache``: gives the solved scenes.
     """
     items: list[Table | Figure] = []
     if layout.kind == "inputs":
-        items.append(input_data_table(layout, found))
+        items.append(printed_input_table(layout, found))
     else:
         if layout.kind == "results":
-            items.append(side_by_side_table_of_layout(layout, found, run_time_and_size_texts(study)))
-        more = MORE[layout.number](study) if layout.number in MORE else {}
-        reasons = {name: reason_without_3d(name) for name in layout.names}
+            items.append(printed_and_computed_table_in_layout(layout, found, run_time_and_size_texts(cache)))
+        more = MORE[layout.number](cache) if layout.number in MORE else {}
+        reasons = {name: reason_for_missing_3d_value(name) for name in layout.names}
         items.append(printed_and_computed_table(layout, found, more, reasons, list(TIMED), NOTES.get(layout.number, "")))
         if any(name in TIMED for name in layout.names):
-            items.append(run_times_table(study, layout, found))
-    items += [draw(study) for draw in FIGURES.get(layout.number, ())]
+            items.append(run_times_table(cache, layout, found))
+    items += [draw(cache) for draw in FIGURES.get(layout.number, ())]
     return Section(f"lin-table-{layout.number}", layout.heading, items)
 
 
-def run_times_note(study: Study) -> str:
-    """Return the note on how printed and measured run times were obtained; ``study``: gives stored run times."""
-    kept = study.compute_once(run_times_for_page, "lin")
+def run_times_note(cache: SceneResultCache) -> str:
+    """Return the note on how printed and measured run times were obtained; ``cache``: gives stored run times."""
+    kept = cache.compute_once(run_times_for_report_page, "lin")
     return (
         f"Printed: {MACHINE}. Ours, cold start: a new process with empty caches, imports included; further load case: the "
         "next one in that process, with compiled kernels; ANSYS rows: our 3D model. A cold start of the friction model "

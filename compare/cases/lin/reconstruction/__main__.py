@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rollbench.compare.cases.lin.reconstruction.readings import RUNS, compute_missing
+from rollbench.compare.cases.lin.reconstruction.readings import RUNS, compute_missing_3d_results
 from rollbench.compare.running import show_progress_message
 from rollbench.meshes.cache import default_cache_folder
 
-compute_missing(show_progress_message, default_cache_folder())
+compute_missing_3d_results(show_progress_message, default_cache_folder())
 show_progress_message(f"all runs are in {RUNS}; what follows from them: rollbench report --only reconstruction")

@@ -44,14 +44,14 @@ from typing import Any, Literal
 import numpy as np
 
 from rollbench.compare.measure import error_percent, load_error, mean_load
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
-from rollbench.compare.reference.computing import compute_runs
+from rollbench.compare.reference.computing import compute_reference_runs
 from rollbench.compare.reference.levels import SOURCE_LEVEL, change_solid_model, scale_dimension, with_shortened_groove
-from rollbench.compare.reference.store import Run, load_run, save_run
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.store import Run, load_stored_run, save_run
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import catalogue
-from rollbench.lowfi.statics.contacts import error_free_hertz
+from rollbench.lowfi.statics.contacts import hertz_without_errors
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 
@@ -59,7 +59,7 @@ from rollbench.meshes.parts import Scene
 MU = 0.01
 
 
-def groove_less_ball_radius(scene: Scene) -> float:
+def groove_radius_less_ball_radius(scene: Scene) -> float:
     """Return the difference h [m] between groove radius and ball radius.
 
     ``scene``: the ball screw. Raises ValueError if screw and nut have different groove radii.
@@ -77,15 +77,15 @@ def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> flo
     ``normal_rotation``: angle phi [rad] by which this turns its contact normals; h: groove radius less ball radius.
     ``scene``: ball screw with equal groove radii of screw and nut.
     """
-    return 0.5 * groove_less_ball_radius(scene) * normal_rotation**2
+    return 0.5 * groove_radius_less_ball_radius(scene) * normal_rotation**2
 
 
 def tilt_at_onset_of_sliding(scene: Scene) -> float:
     """Return the tilt [rad] of the screw's groove against the nut's groove, at which a rolling ball begins to slide."""
-    return 2.0 * MU * groove_less_ball_radius(scene) / scene.screw.groove_radius
+    return 2.0 * MU * groove_radius_less_ball_radius(scene) / scene.screw.groove_radius
 
 
-def displace_balls_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
+def with_balls_displaced_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
     """Return a copy of the scene with balls displaced across their grooves as far as friction can hold them.
 
     They are displaced from the line through the arcs' centres of both groove sections. This is modelled by an oversize of
@@ -107,9 +107,13 @@ def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], 
     base = quantity(scene)
     return (
         quantity(
-            displace_balls_by_friction(
+            with_balls_displaced_by_friction(
                 scene,
-                [k for k in range(1, scene.ball_count + 1) if quantity(displace_balls_by_friction(scene, (k,))) > base],
+                [
+                    k
+                    for k in range(1, scene.ball_count + 1)
+                    if quantity(with_balls_displaced_by_friction(scene, (k,))) > base
+                ],
             )
         )
         / base
@@ -132,23 +136,23 @@ class Interpretation:
     """One interpretation of one modelling choice that Lin's thesis leaves open, for his low-order or his 3D model."""
 
     #: Short name, for names of scenes and tables.
-    key: str
+    short_name: str
     #: Modelling choice that the thesis leaves open.
-    choice: str
+    modelling_choice: str
     #: Interpretation of the choice in words.
-    label: str
+    description: str
     #: Modelling options of the low-order model that the interpretation changes: new values by name of the option.
-    ingredients: dict[str, Any] = field(default_factory=dict, hash=False)
+    low_order_options: dict[str, Any] = field(default_factory=dict, hash=False)
     #: Function that returns the changed copy of a scene for the 3D model; None: the scene is unchanged.
-    change: Any = None
+    change_scene: Any = None
     #: Mesh level of the 3D model.
-    level: int = LEVEL
+    mesh_level: int = LEVEL
     #: Why the text of the thesis contradicts the interpretation; empty if it does not.
-    by_text: str = ""
+    contradiction_by_text: str = ""
     #: Coefficient of friction with which the grooves slide on balls that do not turn, in 3D; 0: no sliding friction.
-    sliding: float = 0.0
+    sliding_friction: float = 0.0
     #: Penalty of the contacts in 3D, over E/h (h: size of Lin's elements); 0: contacts without penetration.
-    penalty: float = 0.0
+    relative_penalty: float = 0.0
 
 
 SHAFT, HELD, LAND = "shaft beyond the nut", "what holds the nut", "nut's lands"
@@ -177,91 +181,100 @@ SOLID = (
         "plain",
         SHAFT,
         "plain, of the lands' diameter",
-        change=lambda s: change_solid_model(shaft_diameter=s.screw.outer_diameter)(s),
+        change_scene=lambda s: change_solid_model(shaft_diameter=s.screw.outer_diameter)(s),
     ),
-    Interpretation("runout", SHAFT, "groove ends 12 mm beyond the nut", change=with_shortened_groove),
+    Interpretation("runout", SHAFT, "groove ends 12 mm beyond the nut", change_scene=with_shortened_groove),
     Interpretation(
-        "outer-half", HELD, "outer half of the left face", change=change_solid_model(nut_held="left face, outer half")
+        "outer-half", HELD, "outer half of the left face", change_scene=change_solid_model(nut_held="left face, outer half")
     ),
     Interpretation(
-        "inner-half", HELD, "inner half of the left face", change=change_solid_model(nut_held="left face, inner half")
+        "inner-half", HELD, "inner half of the left face", change_scene=change_solid_model(nut_held="left face, inner half")
     ),
     Interpretation(
         "surface",
         HELD,
         "outer surface",
-        change=change_solid_model(nut_held="outer surface"),
-        by_text="its left end holds the nut",
+        change_scene=change_solid_model(nut_held="outer surface"),
+        contradiction_by_text="its left end holds the nut",
     ),
     Interpretation(
-        "right", HELD, "right face", change=change_solid_model(nut_held="right face"), by_text="its left end holds the nut"
+        "right",
+        HELD,
+        "right face",
+        change_scene=change_solid_model(nut_held="right face"),
+        contradiction_by_text="its left end holds the nut",
     ),
     Interpretation(
         "narrow",
         LAND,
         "0.6 mm narrower",
-        change=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
+        change_scene=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
     ),
     Interpretation(
-        "wide", LAND, "0.6 mm wider", change=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3)
+        "wide",
+        LAND,
+        "0.6 mm wider",
+        change_scene=scale_dimension("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3),
     ),
-    Interpretation("hole", HOLE, "half as wide", change=scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
-    Interpretation("filled", ENDS, "filled beyond the balls", change=change_solid_model(nut_groove="loaded")),
-    Interpretation("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", level=SOURCE_LEVEL),
+    Interpretation(
+        "hole", HOLE, "half as wide", change_scene=scale_dimension("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
+    ),
+    Interpretation("filled", ENDS, "filled beyond the balls", change_scene=change_solid_model(nut_groove="loaded")),
+    Interpretation("tetrahedra", MESH, "first-order tetrahedra of 0.08 mm", mesh_level=SOURCE_LEVEL),
     Interpretation(
         "off-line",
         FRICTION,
         "0.01, balls roll, as far off their lines as it can hold them",
-        change=displace_balls_by_friction,
+        change_scene=with_balls_displaced_by_friction,
     ),
-    Interpretation("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding=MU),
-    Interpretation("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding=-MU),
-    Interpretation("penalty", PENALTY, "E/h, h = 0.08 mm", level=PENALTY_LEVEL, penalty=1.0),
-    Interpretation("penalty/3", PENALTY, "a third of E/h", level=PENALTY_LEVEL, penalty=1.0 / 3.0),
-    Interpretation("penalty/4", PENALTY, "a quarter of E/h", level=PENALTY_LEVEL, penalty=0.25),
-    Interpretation("penalty/6", PENALTY, "a sixth of E/h", level=PENALTY_LEVEL, penalty=1.0 / 6.0),
+    Interpretation("sliding", FRICTION, "0.01, balls kept from turning, screw pushed on", sliding_friction=MU),
+    Interpretation("sliding-back", FRICTION, "0.01, balls kept from turning, screw let back", sliding_friction=-MU),
+    Interpretation("penalty", PENALTY, "E/h, h = 0.08 mm", mesh_level=PENALTY_LEVEL, relative_penalty=1.0),
+    Interpretation("penalty/3", PENALTY, "a third of E/h", mesh_level=PENALTY_LEVEL, relative_penalty=1.0 / 3.0),
+    Interpretation("penalty/4", PENALTY, "a quarter of E/h", mesh_level=PENALTY_LEVEL, relative_penalty=0.25),
+    Interpretation("penalty/6", PENALTY, "a sixth of E/h", mesh_level=PENALTY_LEVEL, relative_penalty=1.0 / 6.0),
 )
 
 #: Interpretation with the penalty that is also computed on the next mesh level, to show the influence of the mesh.
-FINER = tuple(r for r in SOLID if r.key == "penalty/4")
+FINER = tuple(r for r in SOLID if r.short_name == "penalty/4")
 
 #: Interpretations of different modelling choices that are applied together.
 Combination = tuple[Interpretation, ...]
 
 
-def combination_key(combination: Combination) -> str:
+def combination_name(combination: Combination) -> str:
     """Return the short names of a combination's interpretations, as in "plain+tetrahedra"; "base" if it has none."""
-    return "+".join(r.key for r in combination) or "base"
+    return "+".join(r.short_name for r in combination) or "base"
 
 
-def combine_interpretations(interpretations: tuple[Interpretation, ...], most: int) -> list[Combination]:
+def combine_interpretations(interpretations: tuple[Interpretation, ...], largest_count: int) -> list[Combination]:
     """Return all combinations of interpretations, each with at most one interpretation of the same modelling choice.
 
-    ``interpretations``: the interpretations; ``most``: largest number of them in a combination. The first combination is
-    empty: all choices by default.
+    ``interpretations``: the interpretations; ``largest_count``: largest number of them in a combination. The first
+    combination is empty: all choices by default.
     """
     found: list[Combination] = [()]
-    for count in range(1, most + 1):
-        found += [c for c in combinations(interpretations, count) if len({r.choice for r in c}) == count]
+    for count in range(1, largest_count + 1):
+        found += [c for c in combinations(interpretations, count) if len({r.modelling_choice for r in c}) == count]
     return found
 
 
-def change_scene_for_low_order(scene: Scene, combination: Combination) -> Scene:
+def scene_for_low_order_model(scene: Scene, combination: Combination) -> Scene:
     """Return a copy of the scene, changed for the low-order model as a combination of interpretations requires."""
-    ingredients = {k: v for r in combination for k, v in r.ingredients.items()}
+    ingredients = {k: v for r in combination for k, v in r.low_order_options.items()}
     return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
 
-def change_scene_for_3d(scene: Scene, combination: Combination) -> Scene:
+def scene_for_3d_model(scene: Scene, combination: Combination) -> Scene:
     """Return a copy of the scene, changed for the 3D model (except its mesh) as a combination requires."""
     for r in combination:
-        scene = scene if r.change is None else r.change(scene)
+        scene = scene if r.change_scene is None else r.change_scene(scene)
     return scene
 
 
 def mesh_level_of_combination(combination: Combination) -> int:
     """Return the mesh level on which a combination of interpretations is solved in 3D: the lowest of their mesh levels."""
-    return min((r.level for r in combination), default=LEVEL)
+    return min((r.mesh_level for r in combination), default=LEVEL)
 
 
 # --- 3D runs of the interpretations: computed if not stored, then stored in this folder
@@ -276,32 +289,32 @@ RUNS = Path(__file__).parent / "runs"
 MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
-def combinations_in_3d() -> list[Combination]:
+def combinations_solved_in_3d() -> list[Combination]:
     """Return the combinations of interpretations solved in 3D: the default, single ones, and pairs and triples of `MOVERS`.
 
     `MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
     """
-    movers = tuple(r for r in SOLID if r.key in MOVERS)
+    movers = tuple(r for r in SOLID if r.short_name in MOVERS)
     return [*combine_interpretations(SOLID, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
 
 def case_scenes_in_3d(combination: Combination) -> tuple[Scene, ...]:
     """Return the scenes of Lin's cases 1 and 2, changed for the 3D model as a combination of interpretations requires.
 
-    ``combination``: the combination, whose short name (`combination_key`) becomes a part of the scenes' names.
+    ``combination``: the combination, whose short name (`combination_name`) becomes a part of the scenes' names.
     """
-    name = combination_key(combination).replace("/", "-")
-    return tuple(replace(change_scene_for_3d(catalogue.scene(c), combination), name=f"{c}-{name}") for c in CASES)
+    name = combination_name(combination).replace("/", "-")
+    return tuple(replace(scene_for_3d_model(catalogue.scene(c), combination), name=f"{c}-{name}") for c in CASES)
 
 
-def stored_runs(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
+def stored_runs_or_none(combination: Combination, level: int | None = None) -> tuple[Run, ...] | None:
     """Return the stored 3D results of Lin's cases 1 and 2 under a combination of interpretations.
 
     Returns None if a result is missing or did not converge. ``combination``: the combination; ``level``: mesh level; None:
     level of `mesh_level_of_combination`.
     """
     level = mesh_level_of_combination(combination) if level is None else level
-    found = [load_run(scene, level, stores=[RUNS]) for scene in case_scenes_in_3d(combination)]
+    found = [load_stored_run(scene, level, stores=[RUNS]) for scene in case_scenes_in_3d(combination)]
     runs = tuple(run for run in found if run is not None and run.status == "converged")
     return runs if len(runs) == len(CASES) else None
 
@@ -312,33 +325,36 @@ def stored_loads(combination: Combination, level: int | None = None) -> tuple[Ar
     Each array is (n, 4) [N] for n balls and the flanks SL, SR, NL and NR (screw or nut, left or right). ``combination``:
     combination of interpretations; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
-    runs = stored_runs(combination, level)
+    runs = stored_runs_or_none(combination, level)
     return None if runs is None else tuple(run.load for run in runs)
 
 
-def compute_missing(step: Callable[[str], None], cache: Path | None = None) -> None:
+def compute_missing_3d_results(step: Callable[[str], None], cache: Path | None = None) -> None:
     """Compute and store the 3D results of all combinations of interpretations that are not stored yet.
 
     ``step``: function that receives a message before each solution; ``cache``: folder for intermediate results, None for
     no such folder. Raises ValueError if a solution does not converge.
     """
-    for readings, level in [*((r, mesh_level_of_combination(r)) for r in combinations_in_3d()), (FINER, PENALTY_LEVEL + 1)]:
+    for readings, level in [
+        *((r, mesh_level_of_combination(r)) for r in combinations_solved_in_3d()),
+        (FINER, PENALTY_LEVEL + 1),
+    ]:
         if stored_loads(readings, level) is not None:
             continue
-        step(f"3D: {combination_key(readings)}, level {level}")
+        step(f"3D: {combination_name(readings)}, level {level}")
         pair = case_scenes_in_3d(readings)
-        sliding, penalty = sum(r.sliding for r in readings), sum(r.penalty for r in readings)
+        sliding, penalty = sum(r.sliding_friction for r in readings), sum(r.relative_penalty for r in readings)
         if penalty:
-            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_penalty
+            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_penalty_contacts
 
-            shipped = [load_run(catalogue.scene(c), level) for c in CASES]
-            runs = solve_with_penalty(pair, [run for run in shipped if run is not None], penalty, cache)
+            shipped = [load_stored_run(catalogue.scene(c), level) for c in CASES]
+            runs = solve_with_penalty_contacts(pair, [run for run in shipped if run is not None], penalty, cache)
         else:
-            runs = compute_runs(Task(pair, level, cache=cache))
+            runs = compute_reference_runs(ReferenceTask(pair, level, cache_folder=cache))
         if sliding:
-            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_sliding
+            from rollbench.compare.cases.lin.reconstruction.solvers import solve_with_sliding_balls
 
-            runs = solve_with_sliding(pair, runs, sliding, cache)
+            runs = solve_with_sliding_balls(pair, runs, sliding, cache)
         for scene, run in zip(pair, runs, strict=True):
             save_run(RUNS, scene, run)
 
@@ -354,19 +370,19 @@ DRAWN = 5000
 APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
-def load_change_per_approach(solid: tuple[Array, ...]) -> float:
+def relative_load_rise_per_hertz_approach(loads_in_3d: tuple[Array, ...]) -> float:
     """Return the relative rise of a ball's load if one of its contacts is compressed by a further Hertz approach.
 
     It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius compresses both of its
-    contacts. ``solid``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL
-    and NR (screw or nut, left or right).
+    contacts. ``loads_in_3d``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL,
+    SR, NL and NR (screw or nut, left or right).
     """
-    before, after = (load[LARGE, 0] for load in solid)
+    before, after = (load[LARGE, 0] for load in loads_in_3d)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
 
 
-def errors_on_random_meshes(
-    low: tuple[Array, ...], solid: tuple[Array, ...], scatter_percent: float, *, of_load: bool = True
+def low_order_errors_on_random_meshes(
+    low_order: tuple[Array, ...], in_3d: tuple[Array, ...], scatter_percent: float, *, in_percent_of_each_load: bool = True
 ) -> Array:
     """Return the errors [%] of the low-order model against 3D loads as they scatter over random meshes, (DRAWN, 4).
 
@@ -376,32 +392,34 @@ def errors_on_random_meshes(
 
     Parameters
     ----------
-    low
+    low_order
         Contact loads of cases 1 and 2 by the low-order model, each (n, 4) [N].
-    solid
+    in_3d
         Contact loads of cases 1 and 2 in 3D, each (n, 4) [N].
     scatter_percent
         Standard deviation of every contact's Hertz approach between meshes [%].
-    of_load
+    in_percent_of_each_load
         Whether errors are in per cent of each load instead of the mean load.
     """
-    rng, share, out = np.random.default_rng(1), load_change_per_approach(solid), []
-    for a, b in zip(low, solid, strict=True):
+    rng, share, out = np.random.default_rng(1), relative_load_rise_per_hertz_approach(in_3d), []
+    for a, b in zip(low_order, in_3d, strict=True):
         change = 0.01 * scatter_percent * share * rng.normal(size=(DRAWN, len(b), 2)).sum(axis=2)
         meshed = b[:, 0] * (1.0 - change)
         meshed *= b[:, 0].sum() / meshed.sum(axis=1, keepdims=True)  # the axial force is the same
-        errors = np.asarray(error_percent(a[:, 0], meshed, None if of_load else meshed.mean(axis=1, keepdims=True)))
+        errors = np.asarray(
+            error_percent(a[:, 0], meshed, None if in_percent_of_each_load else meshed.mean(axis=1, keepdims=True))
+        )
         out += [np.abs(errors).max(axis=1), np.sqrt((errors**2).mean(axis=1))]
     return np.stack(out, axis=1)
 
 
-def fraction_with_fall_and_rise(errors: Array, falls: float, rises: float) -> float:
+def fraction_of_meshes_with_fall_and_rise(errors: Array, least_fall: float, least_rise: float) -> float:
     """Return the fraction of random mesh pairs with a lower largest and a higher RMS error in case 2 than in case 1.
 
-    ``errors``: errors [%] from `errors_on_random_meshes`; ``falls``, ``rises``: smallest fall of the largest error and
-    smallest rise of the RMS error that count [percentage points].
+    ``errors``: errors [%] from `low_order_errors_on_random_meshes`; ``least_fall``, ``least_rise``: smallest fall of the
+    largest error and smallest rise of the RMS error that count [percentage points].
     """
-    return float(((errors[:, 0] - errors[:, 2] >= falls) & (errors[:, 3] - errors[:, 1] >= rises)).mean())
+    return float(((errors[:, 0] - errors[:, 2] >= least_fall) & (errors[:, 3] - errors[:, 1] >= least_rise)).mean())
 
 
 # --- all combinations: largest over smallest load by both models, and errors of one model against the other
@@ -423,30 +441,30 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of a combination of interpretations: largest over smallest load of case 1, errors of the low-order model.
 
-    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_ratio``, ``solid_ratio``: largest over
-    smallest load of case 1 by these models; ``errors``: errors [%] against the 3D loads by definition ("own": of each load,
-    "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
+    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_order_load_ratio``,
+    ``load_ratio_in_3d``: largest over smallest load of case 1 by these models; ``errors``: errors [%] against the 3D loads
+    by definition ("own": of each load, "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
     """
 
-    low: Combination
-    solid: Combination
-    low_ratio: float
-    solid_ratio: float
-    errors: dict[Definition, tuple[float, ...]]
+    low_order_combination: Combination
+    combination_in_3d: Combination
+    low_order_load_ratio: float
+    load_ratio_in_3d: float
+    errors_percent: dict[Definition, tuple[float, ...]]
 
     @property
-    def misses(self) -> Array:
+    def deviations_from_print(self) -> Array:
         """Deviations from the printed numbers (6,): two load ratios [%], then four errors of loads [percentage points].
 
         First the load ratio of the low-order, then of the 3D model; the errors are in the order of `ERRORS`.
         """
-        ratios = error_percent(np.array([self.low_ratio, self.solid_ratio]), printed_load_ratio())
-        return np.concatenate([ratios, np.array(self.errors["own"]) - np.array(printed_errors())])
+        ratios = error_percent(np.array([self.low_order_load_ratio, self.load_ratio_in_3d]), printed_load_ratio())
+        return np.concatenate([ratios, np.array(self.errors_percent["own"]) - np.array(printed_errors_percent())])
 
     @property
     def contradicts_text(self) -> bool:
         """Whether the combination contradicts the text of Lin's thesis."""
-        return any(r.by_text for r in (*self.low, *self.solid))
+        return any(r.contradiction_by_text for r in (*self.low_order_combination, *self.combination_in_3d))
 
 
 def printed_load_ratio() -> float:
@@ -459,93 +477,95 @@ def largest_over_smallest_load(load: Array) -> float:
     return float(load[:, 0].max() / load[:, 0].min())
 
 
-def low_order_errors(low: tuple[Array, ...], solid: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
+def low_order_errors_percent(low_order: tuple[Array, ...], in_3d: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
     """Return the errors of the low-order model's loads against the 3D loads, in per cent of each and of the mean load.
 
     The keys are "own" (of each load) and "mean" (of the mean load); the values are largest and RMS error of case 1, then of
-    case 2. ``low``, ``solid``: contact loads of both cases by
+    case 2. ``low_order``, ``in_3d``: contact loads of both cases by
     the low-order and by the 3D model, each (n, 4) [N] for n balls.
     """
-    found = [load_error(a, b) for a, b in zip(low, solid, strict=True)]
+    found = [load_error(a, b) for a, b in zip(low_order, in_3d, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
     return {"own": of_load, "mean": tuple(x for e in found for x in (e.max_percent, e.rms_percent))}
 
 
-def low_order_combinations() -> list[Combination]:
+def combinations_for_low_order_model() -> list[Combination]:
     """Return the combinations for the low-order model: the default, single ones, and pairs and triples of `LOW_MOVERS`.
 
     `LOW_MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
     """
-    movers = tuple(r for r in LOW if r.key in LOW_MOVERS)
+    movers = tuple(r for r in LOW if r.short_name in LOW_MOVERS)
     return [*combine_interpretations(LOW, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
 
 
-def low_order_loads(study: Study, combination: Combination) -> tuple[Array, ...]:
+def low_order_loads(cache: SceneResultCache, combination: Combination) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the low-order model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: gives the solved scenes; ``combination``: the combination.
+    Each array is (n, 4) [N] for n balls. ``cache``: gives the solved scenes; ``combination``: the combination.
     """
-    return tuple(study.solve(change_scene_for_low_order(catalogue.scene(c), combination), "lin").load for c in CASES)
+    return tuple(cache.solve_once(scene_for_low_order_model(catalogue.scene(c), combination), "lin").load for c in CASES)
 
 
-def required_loads_in_3d(study: Study, combination: Combination, level: int | None = None) -> tuple[Array, ...]:
+def required_loads_in_3d(cache: SceneResultCache, combination: Combination, level: int | None = None) -> tuple[Array, ...]:
     """Return the contact loads of Lin's cases 1 and 2 by the 3D model under a combination of interpretations.
 
-    Each array is (n, 4) [N] for n balls. ``study``: caches the results; ``combination``: the combination; ``level``: mesh
+    Each array is (n, 4) [N] for n balls. ``cache``: caches the results; ``combination``: the combination; ``level``: mesh
     level; None: level of `mesh_level_of_combination`. Raises LookupError if a result is not stored.
     """
-    return tuple(run.load for run in study.compute_once(_require_runs, combination, level))
+    return tuple(run.load for run in cache.compute_once(_required_runs_in_3d, combination, level))
 
 
-def _require_runs(study: Study, combination: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
+def _required_runs_in_3d(cache: SceneResultCache, combination: Combination, level: int | None = None) -> tuple[Run, ...]:  # noqa: ARG001
     """Return the stored 3D results of cases 1 and 2 under a combination; raises LookupError if one is missing.
 
-    ``study``: not used here; ``level``: mesh level; None: level of `mesh_level_of_combination`.
+    ``cache``: not used here; ``level``: mesh level; None: level of `mesh_level_of_combination`.
     """
-    found = stored_runs(combination, level)
+    found = stored_runs_or_none(combination, level)
     if found is None:
         raise LookupError(
-            f"no stored 3D loads of combination {combination_key(combination)!r}: run python -m {__package__}"
+            f"no stored 3D loads of combination {combination_name(combination)!r}: run python -m {__package__}"
         )
     return found
 
 
-def evaluate_combinations(study: Study) -> list[CombinationResult]:
+def evaluate_combinations(cache: SceneResultCache) -> list[CombinationResult]:
     """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
 
     A load ratio is the largest over the smallest load of case 1. The first result has all choices by default. Raises
-    LookupError if a 3D result is not stored. ``study``: gives solved scenes and stored 3D results.
+    LookupError if a 3D result is not stored. ``cache``: gives solved scenes and stored 3D results.
     """
-    low = [(c, low_order_loads(study, c)) for c in low_order_combinations()]
-    solid = [(c, required_loads_in_3d(study, c)) for c in combinations_in_3d()]
+    low = [(c, low_order_loads(cache, c)) for c in combinations_for_low_order_model()]
+    solid = [(c, required_loads_in_3d(cache, c)) for c in combinations_solved_in_3d()]
     return [
-        CombinationResult(a, b, largest_over_smallest_load(x[0]), largest_over_smallest_load(y[0]), low_order_errors(x, y))
+        CombinationResult(
+            a, b, largest_over_smallest_load(x[0]), largest_over_smallest_load(y[0]), low_order_errors_percent(x, y)
+        )
         for a, x in low
         for b, y in solid
     ]
 
 
-def printed_errors() -> tuple[float, ...]:
+def printed_errors_percent() -> tuple[float, ...]:
     """Return the four errors [%] against ANSYS that Lin prints: largest and RMS error of case 1, then of case 2."""
     return tuple(printed_value("lin-2.4.1", key) for key in ERRORS)
 
 
-def combination_nearest_to_print(found: list[CombinationResult], count: int = 6) -> CombinationResult:
+def combination_nearest_to_print(found: list[CombinationResult], deviation_count: int = 6) -> CombinationResult:
     """Return the combination whose results are nearest to the printed numbers, of those that the text does not contradict.
 
     The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``found``: results of all
-    combinations; ``count``: how many of the deviations count; 2: only the load ratios, 6: all.
+    combinations; ``deviation_count``: how many of the deviations count; 2: only the load ratios, 6: all.
     """
     allowed = [c for c in found if not c.contradicts_text]
-    return min(allowed, key=lambda c: float(np.linalg.norm(c.misses[:count])))
+    return min(allowed, key=lambda c: float(np.linalg.norm(c.deviations_from_print[:deviation_count])))
 
 
 def combinations_without_penalty(found: list[CombinationResult]) -> list[CombinationResult]:
     """Return the combinations in ``found`` whose contacts in 3D have no penalty."""
-    return [c for c in found if not any(r.penalty for r in c.solid)]
+    return [c for c in found if not any(r.relative_penalty for r in c.combination_in_3d)]
 
 
-def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
+def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
     """Return the combinations that the report shows one by one, by their name in the report.
 
     These are: all choices by default; the combination nearest to the printed load ratio, of those without a penalty (some
@@ -554,7 +574,9 @@ def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
     default.
     """
     softer = {
-        f"penalty of the 3D contacts: {c.solid[0].label}": c for c in found if not c.low and any(r.penalty for r in c.solid)
+        f"penalty of the 3D contacts: {c.combination_in_3d[0].description}": c
+        for c in found
+        if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)
     }
     return {
         "all by default": found[0],
@@ -564,17 +586,17 @@ def combinations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
     }
 
 
-def penalty_over_hertz_approach(study: Study, combination: Combination) -> float:
+def penalty_over_hertz_approach(cache: SceneResultCache, combination: Combination) -> float:
     """Return the approach that a contact penalty adds in case 1, divided by the Hertz approach under the mean load.
 
-    ``study``: caches the results; ``combination``: combination of interpretations that contains the penalty.
+    ``cache``: caches the results; ``combination``: combination of interpretations that contains the penalty.
     """
     scene = catalogue.scene(CASES[0])
-    still, moved = (study.compute_once(_require_runs, r)[0] for r in ((), combination))
+    still, moved = (cache.compute_once(_required_runs_in_3d, r)[0] for r in ((), combination))
     track = scene.track
     lead = np.arctan(track.lead / (2.0 * np.pi * track.pitch_radius))
     added = (
         0.5 * float((moved.centreline[:, 3] - still.centreline[:, 3]).mean()) * np.sin(track.contact_angle) * np.cos(lead)
     )
     load = mean_load(still.load)
-    return float(added / (np.mean(error_free_hertz(scene).C[[0, 3]]) * load ** (2.0 / 3.0)))
+    return float(added / (np.mean(hertz_without_errors(scene).C[[0, 3]]) * load ** (2.0 / 3.0)))

@@ -16,10 +16,10 @@ import numpy as np
 
 from rollbench.compare.reference.store import Run
 from rollbench.compare.reference.tasks import mesh_settings
-from rollbench.hifi.coupling import PlacedSet, mount_screw, normal_motion_by_modes
+from rollbench.hifi.coupling import PlacedNut, compliance_of_supported_screw, normal_motion_of_nodes
 from rollbench.hifi.reference import ROUNDS, ContactRound, LoadCase, solve_reference
-from rollbench.hifi.setup import Setup, prepare
-from rollbench.hifi.shaft.beam import Frame
+from rollbench.hifi.setup import CondensedGeometry, mesh_and_condense_geometry
+from rollbench.hifi.shaft.beam import ShaftSupports
 from rollbench.meshes.arrays import Array
 from rollbench.meshes.cache import Cache
 from rollbench.meshes.parts import Scene
@@ -28,20 +28,26 @@ from rollbench.meshes.parts import Scene
 LARGER = 1.45
 
 
-def add_penalty_springs(setup: Setup, penalty: float) -> Setup:
+def add_penalty_springs(setup: CondensedGeometry, penalty: float) -> CondensedGeometry:
     """Return the set-up of 3D contacts with a spring in series at each pair of contact nodes.
 
     ``setup``: prepared 3D contacts without penalty. The stiffness of a spring is ``penalty`` [N/m3] times the area that
     belongs to its node.
     """
     patches = {
-        side: replace(pair, local=pair.local + np.diag(1.0 / (penalty * pair.groove.areas)), wave=None)
-        for side, pair in setup.patches.items()
+        side: replace(
+            pair,
+            local_compliance=pair.local_compliance + np.diag(1.0 / (penalty * pair.groove_patch.nodal_areas)),
+            gap_correction=None,
+        )
+        for side, pair in setup.patches_by_flank.items()
     }
-    return replace(setup, patches=patches)
+    return replace(setup, patches_by_flank=patches)
 
 
-def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_ratio: float, cache: Path | None) -> list[Run]:
+def solve_with_penalty_contacts(
+    scenes: Sequence[Scene], runs: Sequence[Run], penalty_ratio: float, cache: Path | None
+) -> list[Run]:
     """Solve scenes of one geometry in 3D with penalty contacts, starting from their solutions without a penalty.
 
     ``scenes``: ball screws of equal geometry; ``runs``: stored solutions without a penalty, one for each scene;
@@ -51,22 +57,24 @@ def solve_with_penalty(scenes: Sequence[Scene], runs: Sequence[Run], penalty_rat
     settings = mesh_settings(scenes, runs[0].level)
     settings = replace(settings, reach=(LARGER * settings.reach[0], LARGER * settings.reach[1]))
     penalty = penalty_ratio * scenes[0].balls.material.youngs_modulus / settings.tet
-    setup = add_penalty_springs(prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty)
+    setup = add_penalty_springs(
+        mesh_and_condense_geometry(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache)), penalty
+    )
     out = []
     for scene, run in zip(scenes, runs, strict=True):
         found = solve_reference(setup, scene, frozen=True)
-        if found.status != "converged" or found.frozen is None:
+        if found.status != "converged" or found.loads_with_nominal_normals is None:
             raise ValueError(f"scene {scene.name}: no convergence in 3D with penalty contacts, status {found.status!r}")
         changed = replace(
             run,
             scene=scene.name,
-            load=found.load,
-            angle=np.degrees(found.contact_angle),
-            frozen=found.frozen,
-            centreline=np.column_stack([found.stations, found.centreline[:, :3]]),
+            load=found.contact_loads,
+            angle=np.degrees(found.contact_angles),
+            frozen=found.loads_with_nominal_normals,
+            centreline=np.column_stack([found.centreline_positions, found.centreline_motion[:, :3]]),
             settings=run.settings | {"reach": settings.reach, "penalty_N_m3": penalty},
-            stages=setup.seconds,
-            solve_seconds=found.seconds,
+            stages=setup.seconds_by_stage,
+            solve_seconds=found.solve_seconds,
         )
         out.append(changed)
     return out
@@ -81,12 +89,16 @@ class SlidingLoadCase(LoadCase):
     radius times mu times the load, is neglected.
     """
 
-    def __init__(self, setup: Setup, scene: Scene, mu: float) -> None:
+    def __init__(self, setup: CondensedGeometry, scene: Scene, mu: float) -> None:
         """Make the load case of one ball screw.
 
         ``setup``: prepared 3D contacts; ``scene``: screw and loads; ``mu``: coefficient of friction, with its sign.
         """
-        super().__init__((PlacedSet(setup, scene, setup.sides),), Frame.from_scene(scene), mount_screw(setup, scene))
+        super().__init__(
+            (PlacedNut(setup, scene, setup.loaded_flanks),),
+            ShaftSupports.from_scene(scene),
+            compliance_of_supported_screw(setup, scene),
+        )
         self.mu, self.smooth, self.still = mu, self.mounted, self.at_rest
 
     def solve_next_round(self, last: ContactRound, *, moving: bool) -> ContactRound:
@@ -95,19 +107,22 @@ class SlidingLoadCase(LoadCase):
         ``last``: last iterate; ``moving``: whether normals and gaps of the contacts follow the motion; if not, only the
         gaps are corrected for the position of the contact on the mesh grid.
         """
-        across = self.across(last).ravel()
-        self.at_rest = self.still + self.C.coupling @ self.C.amplitude(across)
-        self.load_motion = normal_motion_by_modes(self.C, self.at_rest)
-        self.mounted = replace(self.smooth, work=self.smooth.work + last.by_rigid.T @ across)
+        across = self.friction_as_normal_forces(last).ravel()
+        self.at_rest = self.still + self.C.mode_compliance @ self.C.modal_forces(across)
+        self.load_motion = normal_motion_of_nodes(self.C, self.at_rest)
+        self.mounted = replace(
+            self.smooth,
+            work_on_free_motions=self.smooth.work_on_free_motions + last.normal_motion_by_free_motions.T @ across,
+        )
         return super().solve_next_round(last, moving=moving)
 
-    def across(self, last: ContactRound) -> Array:
+    def friction_as_normal_forces(self, last: ContactRound) -> Array:
         """Return normal forces [N] on the n contact nodes of each ball that together act as the friction on it, (balls, n).
 
         They act along the nodes' normals. ``last``: iterate of the contact solution, whose loads determine the friction.
         """
-        (forces,), (normals,), (placed,) = last.forces, last.directions, self.sets
-        section = placed.setup.map.axes()[[0, 2]]
+        (forces,), (normals,), (placed,) = last.nodal_forces_by_set, last.contact_normals, self.sets
+        section = placed.geometry.groove_map.section_axes()[[0, 2]]
         out = np.zeros_like(forces)
         for nodes, _ in placed.node_slices_of_flanks:
             for k in np.flatnonzero(forces[:, nodes].any(axis=1)):
@@ -118,7 +133,7 @@ class SlidingLoadCase(LoadCase):
         return out
 
 
-def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
+def solve_with_sliding_balls(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, cache: Path | None) -> list[Run]:
     """Solve scenes of one geometry in 3D with balls that do not turn, so that the grooves slide on them with friction.
 
     ``scenes``: ball screws of equal geometry; ``runs``: solutions without friction, one for each scene; ``mu``: coefficient
@@ -127,11 +142,11 @@ def solve_with_sliding(scenes: Sequence[Scene], runs: Sequence[Run], mu: float, 
     friction does not converge.
     """
     settings = mesh_settings(scenes, runs[0].level)
-    setup = prepare(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
+    setup = mesh_and_condense_geometry(scenes[0], runs[0].sides, settings, scenes=scenes[1:], cache=Cache(cache))
     out = []
     for scene, run in zip(scenes, runs, strict=True):
         ended = SlidingLoadCase(setup, scene, mu).solve(ROUNDS)
         if ended.status != "converged":
             raise ValueError(f"scene {scene.name}: no convergence in 3D with sliding balls, status {ended.status!r}")
-        out.append(replace(run, load=ended.load, angle=np.degrees(ended.contact_angle)))
+        out.append(replace(run, load=ended.contact_loads, angle=np.degrees(ended.contact_angles)))
     return out

@@ -13,18 +13,18 @@ from functools import cache
 import numpy as np
 
 from rollbench.compare.cases.smith.evidence import bearings
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.printed import printed_value
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.bearings import as_printed
-from rollbench.lowfi.bearings.angular_contact import BallRow
+from rollbench.lowfi.bearings.angular_contact import BallBearingRow
 from rollbench.lowfi.bearings.axis import (
-    BearingSet,
-    BearingSetState,
-    TorqueBudget,
+    BearingRows,
+    BearingRowsState,
+    DriveTorqueParts,
     acceleration_torque,
     angular_speed,
     carriage_to_frame_stiffness,
@@ -33,7 +33,7 @@ from rollbench.lowfi.bearings.axis import (
     shaft_and_support_stiffness,
     shaft_inertia,
     shaft_tension,
-    solve_set_equilibrium,
+    solve_bearing_row_equilibrium,
     support_loads,
     warming_that_removes_tension,
 )
@@ -54,18 +54,18 @@ class SupportBearingLayout:
     the end is free to slide).
     """
 
-    scene: str
-    words: str
-    kind: str
-    left: tuple[int, ...]
-    right: tuple[int, ...]
+    scene_name: str
+    description: str
+    bearing_kind: str
+    left_row_directions: tuple[int, ...]
+    right_row_directions: tuple[int, ...]
 
-    def bearings_at(self, end: str) -> BearingSet:
+    def bearing_rows_at(self, end: str) -> BearingRows:
         """Return the bearing rows of one end with their load-deflection laws; ``end``: "left" or "right"."""
-        directions = self.left if end == "left" else self.right
-        if directions == bearings.DIRECTIONS[self.kind][end]:
-            return bearings.bearing_rows_at_end(self.kind, end)
-        return equal_rows_with_gap(BallRow(bearings.ball_bearing()), directions, 0.0)
+        directions = self.left_row_directions if end == "left" else self.right_row_directions
+        if directions == bearings.DIRECTIONS[self.bearing_kind][end]:
+            return bearings.bearing_rows_at_end(self.bearing_kind, end)
+        return equal_rows_with_gap(BallBearingRow(bearings.smith_ball_bearing()), directions, 0.0)
 
 
 TRIPLEX = SupportBearingLayout("smith-axis", "triplex, fixed-fixed", "ball", *bearings.DIRECTIONS["ball"].values())
@@ -84,115 +84,123 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 
 
 @dataclass(frozen=True)
-class EndThrustsAndStiffness:
+class EndThrustsAndAxisStiffness:
     """Thrust on both end supports of a ball-screw axis, and axial stiffness of the axis at the nut.
 
     ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
     stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
     """
 
-    left: float
-    right: float
-    stiffness: float
+    left_thrust: float
+    right_thrust: float
+    axis_stiffness: float
 
 
 @cache
 def thrusts_and_stiffness_by_formulas(
-    layout: SupportBearingLayout, nut_position: float, applied: float = bearings.APPLIED
-) -> EndThrustsAndStiffness:
+    layout: SupportBearingLayout, nut_position: float, load_on_nut: float = bearings.APPLIED
+) -> EndThrustsAndAxisStiffness:
     """Return the thrust on both end supports and the stiffness of a screw axis, by closed formulas.
 
     All bearing rows of an end are at one position.
 
     ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports;
-    ``applied``: axial load on the nut, towards the left end [N]. The screw is stretched as in Smith's thesis, and the
+    ``load_on_nut``: axial load on the nut, towards the left end [N]. The screw is stretched as in Smith's thesis, and the
     bearing rows are preloaded.
     """
-    a, first = bearings.screw_as_bar_between_supports(), layout.bearings_at("left")
+    a, first = bearings.screw_as_bar_between_supports(), layout.bearing_rows_at("left")
     bars = np.array([nut_position, 1.0 - nut_position]) * a.length / (a.young * a.area)
-    if not layout.right:
-        k = solve_set_equilibrium(first, -applied).stiffness
-        return EndThrustsAndStiffness(-applied, 0.0, 1.0 / (1.0 / k + float(bars[0])))
-    second = layout.bearings_at("right")
+    if not layout.right_row_directions:
+        k = solve_bearing_row_equilibrium(first, -load_on_nut).stiffness
+        return EndThrustsAndAxisStiffness(-load_on_nut, 0.0, 1.0 / (1.0 / k + float(bars[0])))
+    second = layout.bearing_rows_at("right")
 
     def stretch_error(left: float) -> float:
         """Return the elongation [m] of supports and screw under a thrust [N] on the left end, less the imposed stretch."""
-        forces = left, left + applied
-        moved = sum(solve_set_equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True))
+        forces = left, left + load_on_nut
+        moved = sum(
+            solve_bearing_row_equilibrium(rows, f).displacement for rows, f in zip((first, second), forces, strict=True)
+        )
         return moved + float(bars @ forces) - bearings.STRETCH
 
-    low = 1e-3 if min(layout.left) > 0 else -2e4  # tandem rows carry tension only
+    low = 1e-3 if min(layout.left_row_directions) > 0 else -2e4  # tandem rows carry tension only
     left = float(brentq(stretch_error, low, 4e4, xtol=1e-6))
-    ends = [solve_set_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + applied))]
-    return EndThrustsAndStiffness(
-        left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
+    ends = [solve_bearing_row_equilibrium(rows, f).stiffness for rows, f in ((first, left), (second, left + load_on_nut))]
+    return EndThrustsAndAxisStiffness(
+        left, left + load_on_nut, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True))
     )
 
 
-def thrusts_and_stiffness_by_scene(
-    study: Study, layout: SupportBearingLayout, nut_position: float
-) -> EndThrustsAndStiffness:
+def thrusts_and_stiffness_by_beam_model(
+    cache: SceneResultCache, layout: SupportBearingLayout, nut_position: float
+) -> EndThrustsAndAxisStiffness:
     """Return the thrust on both end supports and the stiffness of a screw axis, by a beam model with contacts.
 
     Each bearing row is at its own position.
 
-    ``study``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
+    ``cache``: caches the result; ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the
     length between the supports.
     """
-    return study.compute_once(_solve_layout_scene, layout, nut_position)
+    return cache.compute_once(_solve_layout_scene, layout, nut_position)
 
 
-def _solve_layout_scene(study: Study, layout: SupportBearingLayout, nut_position: float) -> EndThrustsAndStiffness:  # noqa: ARG001 - kept by the study
+def _solve_layout_scene(
+    cache: SceneResultCache,  # noqa: ARG001 - `compute_once` passes it
+    layout: SupportBearingLayout,
+    nut_position: float,
+) -> EndThrustsAndAxisStiffness:
     """Solve the scene of a screw axis by the beam model under a load at the nut; AssertionError without convergence.
 
     ``layout``: support bearings of the axis; ``nut_position``: position of the nut over the length between the supports.
-    ``study``: not used here.
+    ``cache``: not used here.
     """
-    found = catalogue.shipped_scene(layout.scene)
+    found = catalogue.shipped_scene(layout.scene_name)
     if not isinstance(found, Assembly):
-        raise AssertionError(f"scene {layout.scene}: expected a screw axis with bearings, got {type(found).__name__}")
+        raise AssertionError(f"scene {layout.scene_name}: expected a screw axis with bearings, got {type(found).__name__}")
     at = FIRST + nut_position * bearings.screw_as_bar_between_supports().length
     loads = tuple(replace(x, at=at, force=(0.0, 0.0, -bearings.APPLIED)) for x in found.loads)
-    result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", Options(engine="compiled"))
+    result = run_model(replace(found, loads=loads, stiffness_at=at), "lin", ModelOptions(engine="compiled"))
     if not result.converged or result.stiffness is None:
-        raise AssertionError(f"scene {layout.scene}: expected convergence and an axis stiffness, got {result.status!r}")
+        raise AssertionError(
+            f"scene {layout.scene_name}: expected convergence and an axis stiffness, got {result.status!r}"
+        )
     thrust = {end: sum(float(s.force[2]) for s in result.sets if s.of.name.startswith(end)) for end in ("left", "right")}
-    return EndThrustsAndStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
+    return EndThrustsAndAxisStiffness(-thrust["left"], thrust["right"], float(result.stiffness[2, 2]))
 
 
-def axis_stiffness_by_smith_sum(layout: SupportBearingLayout) -> float:
+def axis_stiffness_by_sum_in_series(layout: SupportBearingLayout) -> float:
     """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
 
     It contains the compliances of both supports and of the whole screw. ``layout``: support bearings of the axis; the
     result is nan if the screw is fixed at one end only, for which Smith gives no sum.
     """
-    if not layout.right:
+    if not layout.right_row_directions:
         return float("nan")
-    a, force = bearings.screw_as_bar_between_supports(), thrusts_and_stiffness_by_formulas(layout, 0.5, 0.0).left
-    ends = [solve_set_equilibrium(layout.bearings_at(end), force).stiffness for end in ("left", "right")]
-    return as_printed.series_stiffness(ends, float(shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf"))
+    a, force = bearings.screw_as_bar_between_supports(), thrusts_and_stiffness_by_formulas(layout, 0.5, 0.0).left_thrust
+    ends = [solve_bearing_row_equilibrium(layout.bearing_rows_at(end), force).stiffness for end in ("left", "right")]
+    return as_printed.axis_stiffness_as_printed(ends, float(shaft_and_support_stiffness(a, 0.5 * a.length)), float("inf"))
 
 
-def thrusts_and_stiffness_in_words(study: Study, layout: SupportBearingLayout) -> str:
+def thrusts_and_stiffness_in_words(cache: SceneResultCache, layout: SupportBearingLayout) -> str:
     """Return in words the thrust on both end supports and the stiffness of a screw axis, by beam model and formulas.
 
     The nut is at mid-length.
 
-    ``study``: gives the solved scenes; ``layout``: support bearings of the axis.
+    ``cache``: gives the solved scenes; ``layout``: support bearings of the axis.
     """
-    scene, closed = thrusts_and_stiffness_by_scene(study, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
-    ends = [f"{x.left / bearings.POUND:.0f} and {x.right / bearings.POUND:.0f} lbf" for x in (scene, closed)]
-    stiff = [f"{x.stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
+    scene, closed = thrusts_and_stiffness_by_beam_model(cache, layout, 0.5), thrusts_and_stiffness_by_formulas(layout, 0.5)
+    ends = [f"{x.left_thrust / bearings.POUND:.0f} and {x.right_thrust / bearings.POUND:.0f} lbf" for x in (scene, closed)]
+    stiff = [f"{x.axis_stiffness / bearings.POUND_PER_INCH / 1e6:.3f}e6 lbf/in" for x in (scene, closed)]
     return f"as a scene the ends carry {ends[0]} ({stiff[0]} without the nut), by formulas {ends[1]} ({stiff[1]})"
 
 
-def compare_scenes_with_formulas(
-    study: Study,
-) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndStiffness, EndThrustsAndStiffness]]:
+def compare_beam_model_with_formulas(
+    cache: SceneResultCache,
+) -> Iterator[tuple[SupportBearingLayout, float, EndThrustsAndAxisStiffness, EndThrustsAndAxisStiffness]]:
     """Yield the thrust on both end supports and the stiffness of the screw axis, by beam model and by closed formulas.
 
     There is an entry for each bearing layout and each position of the nut: layout; position of the nut over the length
-    between the supports; thrusts and stiffness by the beam model of its scene; the same by closed formulas. ``study``:
+    between the supports; thrusts and stiffness by the beam model of its scene; the same by closed formulas. ``cache``:
     gives the solved scenes.
     """
     for layout in LAYOUTS:
@@ -200,7 +208,7 @@ def compare_scenes_with_formulas(
             yield (
                 layout,
                 place,
-                thrusts_and_stiffness_by_scene(study, layout, place),
+                thrusts_and_stiffness_by_beam_model(cache, layout, place),
                 thrusts_and_stiffness_by_formulas(layout, place),
             )
 
@@ -217,13 +225,13 @@ STEEL = 7850.0
 KINDS = ("ball", "taper")
 
 
-def screw_tension() -> float:
+def tension_of_stretched_screw() -> float:
     """Return the tension [N] of the stretched screw between rigid supports."""
     return shaft_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH)
 
 
 @cache
-def bearing_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingSetState:
+def bearing_set_state_at_end(kind: str, end: str, state: str, preload: float = bearings.PRELOAD) -> BearingRowsState:
     """Return the equilibrium of the bearing rows at one end of the screw axis, under preload, stretch or applied load.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``state``: "preload": only the preload acts; "stretch": the
@@ -232,51 +240,53 @@ def bearing_state_at_end(kind: str, end: str, state: str, preload: float = beari
     """
     rows = bearings.bearing_rows_at_end(kind, end, preload)
     if state == "preload":
-        return solve_set_equilibrium(rows)
-    force = screw_tension() if state == "stretch" else _end_thrusts_under_load(screw_tension())[end]
-    return solve_set_equilibrium(rows, force)
+        return solve_bearing_row_equilibrium(rows)
+    force = (
+        tension_of_stretched_screw() if state == "stretch" else _end_thrusts_under_load(tension_of_stretched_screw())[end]
+    )
+    return solve_bearing_row_equilibrium(rows, force)
 
 
-def _end_thrusts_under_load(tensile: float) -> dict[str, float]:
+def _end_thrusts_under_load(tension: float) -> dict[str, float]:
     """Return the thrust [N] on both ends, by "left" and "right", under the carriage's load of Smith's section 4.2.
 
-    The load acts on the nut at mid-length towards the left end; ``tensile``: tension of the screw without it [N].
+    The load acts on the nut at mid-length towards the left end; ``tension``: tension of the screw without it [N].
     """
     left, right = support_loads(
         bearings.screw_as_bar_between_supports(),
         0.5 * bearings.screw_as_bar_between_supports().length,
         -bearings.APPLIED,
-        tensile,
+        tension,
     )
     return {"left": left, "right": right}
 
 
-def row_loads_as_printed(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
+def row_loads_by_smith_rule(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
     By this rule, half of the screw's tension and half of the carriage's load act at each end. They are added to the
     preloads of the rows in their direction, and also subtracted from those of the opposite rows. ``kind``: "ball" or
     "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row [lbf].
     """
-    loads = as_printed.row_loads_by_smith(
-        preload, bearings.DIRECTIONS[kind][end], 0.5 * round(screw_tension() / bearings.POUND, -1)
+    loads = as_printed.bearing_row_loads_as_printed(
+        preload, bearings.DIRECTIONS[kind][end], 0.5 * round(tension_of_stretched_screw() / bearings.POUND, -1)
     )
     if state == "applied":
         sign = -1.0 if end == "left" else 1.0
-        loads = as_printed.row_loads_by_smith(
+        loads = as_printed.bearing_row_loads_as_printed(
             list(loads), bearings.DIRECTIONS[kind][end], sign * 0.5 * bearings.APPLIED / bearings.POUND
         )
     return [float(v) for v in loads]
 
 
-def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the stretch of the screw and the warming that relieves it: section 4.1 of Smith (1994).
 
-    ``e``: receives the computed value to compare with each printed number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each printed number. ``cache``: not used here.
     """
     a = bearings.screw_as_bar_between_supports()
     diameter = 2.0 * float(np.sqrt(a.area / np.pi))
-    e.numbers(
+    findings.numbers(
         {
             "L": a.length / bearings.INCH,
             "d": diameter / bearings.INCH,
@@ -287,103 +297,113 @@ def section_4_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
             "dT": warming_that_removes_tension(a, bearings.STRETCH, bearings.EXPANSION) / bearings.DEG_F,
         }
     )
-    stiff = {kind: bearing_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
+    stiff = {kind: bearing_set_state_at_end(kind, "left", "stretch").stiffness for kind in KINDS}
     elastic = [
         shaft_tension(bearings.screw_as_bar_between_supports(k, k), bearings.STRETCH) / bearings.POUND
         for k in stiff.values()
     ]
     words = f"{elastic[0]:.0f} and {elastic[1]:.0f} lbf if the stretch is of the ends and the bearings give way"
-    e.number("F", screw_tension() / bearings.POUND, words)
-    e.number("F_end", screw_tension() / bearings.POUND, as_printed=0.5 * round(screw_tension() / bearings.POUND, -1))
+    findings.add_number("F", tension_of_stretched_screw() / bearings.POUND, words)
+    findings.add_number(
+        "F_end",
+        tension_of_stretched_screw() / bearings.POUND,
+        as_printed=0.5 * round(tension_of_stretched_screw() / bearings.POUND, -1),
+    )
 
 
-def section_4_2(e: Findings, study: Study) -> None:
+def section_4_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute loads and stiffness of support bearings and axis: section 4.2 of Smith (1994).
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds; ``study``:
-    gives the solved scenes.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
+    ``cache``: gives the solved scenes.
     """
     for kind in KINDS:
         for end in bearings.DIRECTIONS[kind]:
-            _compute_bearing_row_loads(e, kind, end)
+            _compute_bearing_row_loads(findings, kind, end)
     a = bearings.screw_as_bar_between_supports()
     least = float(shaft_and_support_stiffness(a, 0.5 * a.length))
-    e.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
-    e.number("applied", bearings.APPLIED / bearings.POUND)
-    e.number("package_ball", bearing_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH)
-    e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
+    findings.numbers({"screw": least / bearings.POUND_PER_INCH, "nut": bearings.NUT / bearings.POUND_PER_INCH})
+    findings.add_number("applied", bearings.APPLIED / bearings.POUND)
+    findings.add_number(
+        "package_ball", bearing_set_state_at_end("ball", "left", "stretch").stiffness / bearings.POUND_PER_INCH
+    )
+    findings.add_number("package_taper", 2.0 * findings.printed("taper_left_stiffness_1"))
     for kind in KINDS:
-        e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
-    _compute_axis_stiffness(e, "ball", thrusts_and_stiffness_in_words(study, TRIPLEX))
-    _compute_axis_stiffness(e, "taper", thrusts_and_stiffness_in_words(study, TAPERED))
+        findings.add_number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in bearings.DIRECTIONS[kind].values()))
+    _compute_axis_stiffness(findings, "ball", thrusts_and_stiffness_in_words(cache, TRIPLEX))
+    _compute_axis_stiffness(findings, "taper", thrusts_and_stiffness_in_words(cache, TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
     both_ends, one = (
         shaft_and_support_stiffness(a, places),
         shaft_and_support_stiffness(bearings.screw_as_bar_between_supports(right=0.0), places),
     )
     at = float(places[int(np.argmin(both_ends))] / a.length)
-    e.claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
+    findings.add_claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both_ends / one
     middle = float(ratio[ratio.size // 2])
-    scenes = [thrusts_and_stiffness_by_scene(study, x, 0.5).stiffness for x in (TRIPLEX, SUPPORTED)]
+    scenes = [thrusts_and_stiffness_by_beam_model(cache, x, 0.5).axis_stiffness for x in (TRIPLEX, SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
     words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
-    e.claim("supported", bool(np.all(ratio > 1.0)), words)
+    findings.add_claim("supported", bool(np.all(ratio > 1.0)), words)
 
 
-def _compute_bearing_row_loads(e: Findings, kind: str, end: str) -> None:
-    """Compute loads and stiffness of the bearing rows at one end of the axis; ``e`` receives the results.
+def _compute_bearing_row_loads(findings: ComputedEntryValues, kind: str, end: str) -> None:
+    """Compute loads and stiffness of the bearing rows at one end of the axis; ``findings`` receives the results.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right".
     """
     count = len(bearings.DIRECTIONS[kind][end])
-    preload = tuple(e.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
+    preload = tuple(findings.printed(f"{kind}_{end}_preload_{i + 1}") for i in range(count))
     for state in ("preload", "stretch", "applied"):
-        ours = bearing_state_at_end(kind, end, state)
-        printed = None if state == "preload" else row_loads_as_printed(kind, end, state, preload)
+        ours = bearing_set_state_at_end(kind, end, state)
+        printed = None if state == "preload" else row_loads_by_smith_rule(kind, end, state, preload)
         for i in range(count):
             key = f"{kind}_{end}_{state}_{i + 1}"
-            e.number(key, float(ours.loads[i]) / bearings.POUND, as_printed=None if printed is None else printed[i])
-    ours = bearing_state_at_end(kind, end, "applied")
+            findings.add_number(
+                key, float(ours.row_thrusts[i]) / bearings.POUND, as_printed=None if printed is None else printed[i]
+            )
+    ours = bearing_set_state_at_end(kind, end, "applied")
     for i in range(count):
-        e.number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
-    total = sum(e.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
+        findings.add_number(f"{kind}_{end}_stiffness_{i + 1}", float(ours.row_stiffness[i]) / bearings.POUND_PER_INCH)
+    total = sum(findings.printed(f"{kind}_{end}_stiffness_{i + 1}") for i in range(count))
     words = f"equilibrium gives {ours.stiffness / bearings.POUND_PER_INCH / 1e6:.2f}e6 lbf/in"
-    e.number(f"{kind}_{end}_package", total, words)
+    findings.add_number(f"{kind}_{end}_package", total, words)
 
 
-def axis_stiffness_at_middle(supports: float) -> float:
+def axis_stiffness_at_mid_length(support_stiffness: float) -> float:
     """Return the axial stiffness [N/m] of the axis with the nut at mid-length, both halves of the screw in parallel.
 
-    ``supports``: stiffness of each support [N/m].
+    ``support_stiffness``: stiffness of each support [N/m].
     """
-    a = bearings.screw_as_bar_between_supports(supports, supports)
+    a = bearings.screw_as_bar_between_supports(support_stiffness, support_stiffness)
     return float(carriage_to_frame_stiffness(a, 0.5 * a.length, bearings.NUT))
 
 
-def _compute_axis_stiffness(e: Findings, kind: str, as_scenes: str) -> None:
+def _compute_axis_stiffness(findings: ComputedEntryValues, kind: str, beam_model_remark: str) -> None:
     """Compute the axis stiffness by Smith's sum of compliances, and with both halves of the screw in parallel.
 
-    ``kind``: "ball" or "taper"; ``as_scenes``: remark with the thrust on both end supports and the axis stiffness by the
-    beam model. ``e``: receives the results.
+    ``kind``: "ball" or "taper"; ``beam_model_remark``: remark with the thrust on both end supports and the axis stiffness
+    by the beam model. ``findings``: receives the results.
     """
-    package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
-    printed = as_printed.series_stiffness((package, package), screw, nut)
-    right = axis_stiffness_at_middle(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
-    ours = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+    package, screw, nut = (findings.printed(k) for k in (f"package_{kind}", "screw", "nut"))
+    printed = as_printed.axis_stiffness_as_printed((package, package), screw, nut)
+    right = axis_stiffness_at_mid_length(package * bearings.POUND_PER_INCH) / bearings.POUND_PER_INCH
+    ours = (
+        axis_stiffness_at_mid_length(bearing_set_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
+    )
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {1e-6 * right:.3f}e6, our bearings {1e-6 * ours:.3f}e6; "
     words += f"the sum in series {off:+.0f} %"
-    e.number(f"total_{kind}", right, f"{words}; {as_scenes}", as_printed=printed)
+    findings.add_number(f"total_{kind}", right, f"{words}; {beam_model_remark}", as_printed=printed)
 
 
-def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the torque that the motor must supply: section 4.3 of Smith (1994).
 
-    ``e``: receives the computed value to compare with each printed number. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each printed number. ``cache``: not used here.
     """
     rows = {"ball": (3, printed_value("smith-2.3", "M")), "taper": (2, printed_value("smith-3", "M"))}
-    e.number("nut", 18.0)
+    findings.add_number("nut", 18.0)
     shaft = shaft_inertia(
         STEEL,
         2.0 * float(np.sqrt(bearings.screw_as_bar_between_supports().area / np.pi)),
@@ -391,28 +411,30 @@ def section_4_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every tabl
     )
     alone = acceleration_torque([shaft], angular_speed(TRAVERSE, LEAD), 1.0) / bearings.INCH_POUND
     words = f"the screw's own inertia takes {alone:.2f} in-lb in 1 s; the rest is not printed"
-    e.number("acceleration", None, words)
+    findings.add_number("acceleration", None, words)
     for kind, (count, torque) in rows.items():
         ends = (count * torque,) * 2
-        budget = TorqueBudget(e.printed("screw"), e.printed("nut"), ends, e.printed("acceleration"))
-        e.number(f"bearings_{kind}", ends[0])
-        e.number(f"constant_{kind}", budget.constant_speed)
-        e.number(f"start_{kind}", budget.start_up)
+        budget = DriveTorqueParts(
+            findings.printed("screw"), findings.printed("nut"), ends, findings.printed("acceleration")
+        )
+        findings.add_number(f"bearings_{kind}", ends[0])
+        findings.add_number(f"constant_{kind}", budget.constant_speed_torque)
+        findings.add_number(f"start_{kind}", budget.accelerating_torque)
 
 
 # --- chapter 5
 
 
-def _record_axis_and_drive_data(e: Findings) -> None:
+def _record_axis_and_drive_data(findings: ComputedEntryValues) -> None:
     """Compute speed, encoder resolution and further data of the tested axis and its drive: section 5.1 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     warming = (
         warming_that_removes_tension(bearings.screw_as_bar_between_supports(), bearings.STRETCH, bearings.EXPANSION)
         / bearings.DEG_F
     )
-    e.numbers(
+    findings.numbers(
         {
             "lead": 1e3 * LEAD,
             "speed": 60.0 * TRAVERSE / bearings.INCH,
@@ -424,65 +446,68 @@ def _record_axis_and_drive_data(e: Findings) -> None:
             "preload_750": REDUCED / bearings.POUND,
         }
     )
-    e.claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
+    findings.add_claim("five", 4.5 < warming < 5.0, f"{warming:.2f} degF")
 
 
-def _compare_torque_tests(e: Findings) -> None:
+def _compare_torque_tests(findings: ComputedEntryValues) -> None:
     """Compare predicted torques, sums of printed parts, with the tests: section 5.2.1 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     off = {}
     for kind in KINDS:
         for when in ("start", "constant"):
             key = f"{when}_{kind}"
             predicted = printed_value("smith-4.3", key)
-            off[key] = float(error_percent(predicted, e.printed(key)))
-            e.number(key, predicted, "sum of the printed parts")
-        e.number(f"used_{kind}", 100.0 * e.printed(f"start_{kind}") / MOTOR)
+            off[key] = float(error_percent(predicted, findings.printed(key)))
+            findings.add_number(key, predicted, "sum of the printed parts")
+        findings.add_number(f"used_{kind}", 100.0 * findings.printed(f"start_{kind}") / MOTOR)
     words = ", ".join(f"{v:+.1f} %" for v in off.values())
-    e.claim("torque_10", all(abs(v) <= 10.0 for v in off.values()), words)
+    findings.add_claim("torque_10", all(abs(v) <= 10.0 for v in off.values()), words)
     single = [float(error_percent(printed_value(t, "M"), printed_value(t, "M_test"))) for t in ("smith-2.3", "smith-3")]
-    e.claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
+    findings.add_claim("torque_10_single", all(abs(v) <= 10.0 for v in single), ", ".join(f"{v:+.0f} %" for v in single))
     ball, taper = (printed_value(t, "M_test") for t in ("smith-2.3", "smith-3"))
-    e.claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
-    e.number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
+    findings.add_claim("four_times", 3.5 <= taper / ball <= 4.0, f"{taper / ball:.1f} times")
+    findings.add_number("disparity", 4.0 * 2.0 / 3.0, f"measured {2.0 * taper / (3.0 * ball):.2f}")
 
 
-def _compare_stiffness_tests(e: Findings) -> None:
+def _compare_stiffness_tests(findings: ComputedEntryValues) -> None:
     """Compare the computed stiffness of the axis with the tests: section 5.2.2 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     off = []
     for kind in KINDS:
-        right = axis_stiffness_at_middle(bearing_state_at_end(kind, "left", "stretch").stiffness) / bearings.POUND_PER_INCH
-        measured, predicted = e.printed(f"S_{kind}"), printed_value("smith-4.2", f"total_{kind}")
+        right = (
+            axis_stiffness_at_mid_length(bearing_set_state_at_end(kind, "left", "stretch").stiffness)
+            / bearings.POUND_PER_INCH
+        )
+        measured, predicted = findings.printed(f"S_{kind}"), printed_value("smith-4.2", f"total_{kind}")
         off.append(float(error_percent(predicted, measured)))
         words = f"printed prediction {off[-1]:+.2f} %, right topology {float(error_percent(right, measured)):+.0f} %"
-        e.number(f"S_{kind}", right, words)
-    e.claim("within_2.5", all(abs(v) <= 2.5 for v in off), ", ".join(f"{v:+.2f} %" for v in off))
-    e.number("six", float(error_percent(e.printed("S_ball"), e.printed("S_taper"))))
+        findings.add_number(f"S_{kind}", right, words)
+    findings.add_claim("within_2.5", all(abs(v) <= 2.5 for v in off), ", ".join(f"{v:+.2f} %" for v in off))
+    findings.add_number("six", float(error_percent(findings.printed("S_ball"), findings.printed("S_taper"))))
 
 
-def _compare_temperature_rises(e: Findings) -> None:
+def _compare_temperature_rises(findings: ComputedEntryValues) -> None:
     """Compare measured temperature rises with the friction torques that cause them: section 5.2.4 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     torque = {
         "rise_ball": printed_value("smith-2.3", "M_test_3"),
         "rise_nut": printed_value("smith-4.3", "nut"),
         "rise_taper": printed_value("smith-3", "M_test_2"),
     }
-    a_pound = {key: e.printed(key) / value for key, value in torque.items()}
+    a_pound = {key: findings.printed(key) / value for key, value in torque.items()}
     spread = float(error_percent(max(a_pound.values()), min(a_pound.values())))
-    e.claim("rise_order", spread < 15.0, f"degF per in-lb alike to {spread:.0f} %")
-    ratio = e.printed("rise_taper") / e.printed("rise_ball")
-    e.claim("three_times", 2.5 <= ratio <= 3.5, f"{ratio:.2f}")
+    findings.add_claim("rise_order", spread < 15.0, f"degF per in-lb alike to {spread:.0f} %")
+    ratio = findings.printed("rise_taper") / findings.printed("rise_ball")
+    findings.add_claim("three_times", 2.5 <= ratio <= 3.5, f"{ratio:.2f}")
 
 
-def carriage_load_at_lift_off(preload: float) -> float:
+def carriage_load_that_unloads_row(preload: float) -> float:
     """Return the load [N] on the carriage at mid-length that unloads the outer tapered-bearing row of one end of the axis.
 
     ``preload``: preload of the bearing rows [N]. The screw is stretched. The row is unloaded when the part of the
@@ -491,33 +516,35 @@ def carriage_load_at_lift_off(preload: float) -> float:
     share = support_loads(
         bearings.screw_as_bar_between_supports(), 0.5 * bearings.screw_as_bar_between_supports().length, 1.0
     )[0]
-    return (lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - screw_tension()) / share
+    return (lift_off_force(bearings.bearing_rows_at_end("taper", "left", preload)) - tension_of_stretched_screw()) / share
 
 
-def _compute_loads_at_reduced_preload(e: Findings) -> None:
+def _compute_loads_at_reduced_preload(findings: ComputedEntryValues) -> None:
     """Compute the bearing loads with the reduced preload of 750 lbf: section 5.3 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     for end in ("left", "right"):
-        printed = row_loads_as_printed("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
-        ours = bearing_state_at_end("taper", end, "stretch", REDUCED)
+        printed = row_loads_by_smith_rule("taper", end, "stretch", (REDUCED / bearings.POUND,) * 2)
+        ours = bearing_set_state_at_end("taper", end, "stretch", REDUCED)
         for i in range(2):
-            e.number(f"{end}_stretch_{i + 1}", float(ours.loads[i]) / bearings.POUND, as_printed=printed[i])
+            findings.add_number(
+                f"{end}_stretch_{i + 1}", float(ours.row_thrusts[i]) / bearings.POUND, as_printed=printed[i]
+            )
         for load in ("750", "1500"):
-            total = sum(e.printed(f"t{load}_{end}_{i}") for i in (1, 2))
-            e.number(f"t{load}_{end}", total)
-    e.number("rise_750", e.printed("t750_left") / e.printed("t1500_left") * 20.0)
-    least = e.printed("left_stretch_1")
+            total = sum(findings.printed(f"t{load}_{end}_{i}") for i in (1, 2))
+            findings.add_number(f"t{load}_{end}", total)
+    findings.add_number("rise_750", findings.printed("t750_left") / findings.printed("t1500_left") * 20.0)
+    least = findings.printed("left_stretch_1")
     words = f"load on the carriage in the middle; {bearings.APPLIED / bearings.POUND:.0f} lbf is applied in 4.2"
-    e.number("unseat", carriage_load_at_lift_off(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)
+    findings.add_number("unseat", carriage_load_that_unloads_row(REDUCED) / bearings.POUND, words, as_printed=2.0 * least)
 
 
-def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def chapter_5(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in chapter 5 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
     for fill in (
         _record_axis_and_drive_data,
@@ -526,4 +553,4 @@ def chapter_5(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table 
         _compare_temperature_rises,
         _compute_loads_at_reduced_preload,
     ):
-        fill(e)
+        fill(findings)

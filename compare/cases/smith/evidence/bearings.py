@@ -12,29 +12,29 @@ from math import degrees
 
 import numpy as np
 
-from rollbench.compare.evidence import Findings
+from rollbench.compare.evidence import ComputedEntryValues
 from rollbench.compare.measure import error_percent
-from rollbench.compare.models.study import Study
-from rollbench.compare.printed import load_table
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.printed import load_printed_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
-    BallRow,
-    ThrustState,
+    BallBearingRow,
+    BallBearingThrustState,
     bearing_state_at_displacement,
     dimensionless_hertz_parameters,
     displacement_under_thrust,
     relative_curvatures,
 )
 from rollbench.lowfi.bearings.axis import (
-    Axis,
-    BearingSet,
+    BearingRows,
+    ScrewShaftSprings,
     equal_rows_with_gap,
     equal_rows_with_preload,
-    solve_set_equilibrium,
+    solve_bearing_row_equilibrium,
 )
 from rollbench.lowfi.bearings.tapered_roller import (
-    CombinedState,
+    ThrustAndRadialState,
     load_zone_integrals,
     load_zone_under_thrust_and_radial_load,
     solve_thrust_and_radial_equilibrium,
@@ -42,14 +42,21 @@ from rollbench.lowfi.bearings.tapered_roller import (
 from rollbench.lowfi.bearings.torque import (
     KILOGRAM_FORCE,
     LEAST_FILM,
-    ball_torque,
+    ball_bearing_torque,
     load_dependent_torque,
+    load_independent_torque,
     palmgren_static_rating,
     timken_factor_from_torque,
     timken_running_torque,
-    viscous_torque,
 )
-from rollbench.lowfi.rollers import RollerContacts, SlicedRow, TaperedBearing, TaperedRow, circular_crown, roller_contacts
+from rollbench.lowfi.rollers import (
+    RollerContacts,
+    SlicedTaperedRow,
+    StraightTaperedRow,
+    TaperedBearing,
+    circular_crown_profile,
+    roller_line_contacts,
+)
 from rollbench.lowfi.statics.validity import DENT_PRESSURE
 from rollbench.meshes.units import parse_quantity
 
@@ -110,7 +117,7 @@ DIRECTIONS: dict[str, dict[str, tuple[int, ...]]] = {
 
 
 @cache
-def ball_bearing() -> BallBearing:
+def smith_ball_bearing() -> BallBearing:
     """Return the angular-contact ball bearing MM35BS72 of Smith's Figure 2-10.
 
     The radius of the outer groove is 0.53 ball diameters, 0.182188 in.
@@ -120,7 +127,7 @@ def ball_bearing() -> BallBearing:
 
 
 @cache
-def taper_bearing() -> TaperedBearing:
+def smith_tapered_bearing() -> TaperedBearing:
     """Return the prototype tapered roller bearing of Smith's Figure 3-6."""
     return TaperedBearing(
         16, 0.33 * INCH, 0.49 * INCH, float(np.radians(30.8)), float(np.radians(4.0)), YOUNG, POISSON, RING_DEPTH
@@ -128,7 +135,7 @@ def taper_bearing() -> TaperedBearing:
 
 
 @cache
-def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> BearingSet:
+def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> BearingRows:
     """Return the preloaded bearing rows at one end of the screw.
 
     ``kind``: "ball" or "taper"; ``end``: "left" or "right"; ``preload``: for tapered bearings, preload of the rows [N];
@@ -136,17 +143,17 @@ def bearing_rows_at_end(kind: str, end: str, preload: float = PRELOAD) -> Bearin
     """
     directions = DIRECTIONS[kind][end]
     if kind == "ball":
-        row = BallRow(ball_bearing())
+        row = BallBearingRow(smith_ball_bearing())
         return equal_rows_with_gap(row, directions, row.deflection(preload))
-    return equal_rows_with_preload(TaperedRow(taper_bearing()), directions, preload)
+    return equal_rows_with_preload(StraightTaperedRow(smith_tapered_bearing()), directions, preload)
 
 
-def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> Axis:
+def screw_as_bar_between_supports(left: float = np.inf, right: float = np.inf) -> ScrewShaftSprings:
     """Return the screw of Smith's section 4.1 as a bar between supports.
 
     ``left``, ``right``: axial stiffness of the supports [N/m]; infinite: rigid; 0: free to slide.
     """
-    return Axis(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
+    return ScrewShaftSprings(52.0 * INCH, 0.25 * np.pi * (1.378 * INCH) ** 2, YOUNG, left, right)
 
 
 #: Curvature difference F(p)_o of the outer race printed in Figure 2-10; it does not follow from the dimensions.
@@ -156,69 +163,72 @@ SHEET_DIFFERENCE = 0.9013479
 SHEET_POUND = 4.448
 
 #: Curvature differences F(p) of Table 2-1, without the last row, which is a line contact.
-DIFFERENCES = tuple(row.value or 0.0 for row in load_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
+DIFFERENCES = tuple(row.value or 0.0 for row in load_printed_table("smith-table-2-1") if row.key.startswith("F_"))[:-1]
 
 #: Curvature differences that approach the line contact.
 NEARLY_LINE = (1.0 - 1e-4, 1.0 - 1e-7, 1.0 - 1e-10)
 
 
 @cache
-def thrust_state_of_ball_bearing(load: float) -> ThrustState:
+def thrust_state_of_ball_bearing(load: float) -> BallBearingThrustState:
     """Return contact angle, ball load and stiffness of the ball bearing under a thrust [N], by exact elliptic integrals."""
-    return bearing_state_at_displacement(ball_bearing(), displacement_under_thrust(ball_bearing(), load))
+    return bearing_state_at_displacement(smith_ball_bearing(), displacement_under_thrust(smith_ball_bearing(), load))
 
 
 @cache
 def recompute_ball_spreadsheet(
-    pounds: float, curvature_difference: float | None = SHEET_DIFFERENCE
-) -> as_printed.Spreadsheet:
+    thrust_lbf: float, curvature_difference: float | None = SHEET_DIFFERENCE
+) -> as_printed.SmithSpreadsheetValues:
     """Return the results of Smith's spreadsheet for the ball bearing (Figure 2-10), recomputed with its errors.
 
-    ``pounds``: thrust on the bearing [lbf]; ``curvature_difference``: curvature difference F(p)_o of the outer race, by
+    ``thrust_lbf``: thrust on the bearing [lbf]; ``curvature_difference``: curvature difference F(p)_o of the outer race, by
     default the printed one; None: from the dimensions.
     """
-    b = ball_bearing()
+    b = smith_ball_bearing()
     mm = [1e3 * v for v in (b.ball_diameter, b.inner_groove, b.outer_groove, b.inner_raceway, b.outer_raceway)]
-    return as_printed.compute_spreadsheet(
-        SHEET_POUND * pounds, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), curvature_difference
+    return as_printed.compute_smith_spreadsheet(
+        SHEET_POUND * thrust_lbf, b.balls, mm[0], (mm[1], mm[2]), (mm[3], mm[4]), curvature_difference
     )
 
 
-def ball_spreadsheet_stiffness(pounds: float) -> float:
-    """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf].
+def ball_spreadsheet_stiffness(thrust_lbf: float) -> float:
+    """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``thrust_lbf`` [lbf].
 
     It is the difference quotient between thrusts 0.1 % smaller and 0.1 % larger.
     """
-    step = 1e-3 * pounds
+    step = 1e-3 * thrust_lbf
     return (
         2.0
         * step
         * 25.4
-        / (recompute_ball_spreadsheet(pounds + step).deflection - recompute_ball_spreadsheet(pounds - step).deflection)
+        / (
+            recompute_ball_spreadsheet(thrust_lbf + step).deflection
+            - recompute_ball_spreadsheet(thrust_lbf - step).deflection
+        )
     )
 
 
-def table_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def table_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the Hertz contact parameters delta*, a*, b* of Smith's Table 2-1 by elliptic integrals.
 
-    ``e``: receives the computed value to compare with each number of the table, and whether each claim on the line contact
-    holds. ``study``: not used here.
+    ``findings``: receives the computed value to compare with each number of the table, and whether each claim on the line
+    contact holds. ``cache``: not used here.
     """
     for i, difference in enumerate(DIFFERENCES):
-        e.number(f"F_{i}", difference)
+        findings.add_number(f"F_{i}", difference)
         for name, value in zip(("delta", "a", "b"), dimensionless_hertz_parameters(difference), strict=True):
-            e.number(f"{name}_{i}", value)
-    e.number(f"F_{len(DIFFERENCES)}", 1.0)
+            findings.add_number(f"{name}_{i}", value)
+    findings.add_number(f"F_{len(DIFFERENCES)}", 1.0)
     limit = np.array([dimensionless_hertz_parameters(f) for f in NEARLY_LINE])
     for name, column, sign in (("delta", 0, -1.0), ("a", 1, 1.0), ("b", 2, -1.0)):
         steps = np.diff(np.log(limit[:, column])) * sign
         words = ", ".join(f"{v:.3g}" for v in limit[:, column])
-        e.claim(f"{name}_22", bool(np.all(steps > 1.0)), f"{words} at 1 - F(p) = 1e-4, 1e-7, 1e-10")
+        findings.add_claim(f"{name}_22", bool(np.all(steps > 1.0)), f"{words} at 1 - F(p) = 1e-4, 1e-7, 1e-10")
 
 
-def _compute_dimensions(e: Findings) -> None:
-    """Compute the ball bearing's dimensions in Smith's Figure 2-10; ``e`` receives the results."""
-    b = ball_bearing()
+def _compute_ball_bearing_dimensions(findings: ComputedEntryValues) -> None:
+    """Compute the ball bearing's dimensions in Smith's Figure 2-10; ``findings`` receives the results."""
+    b = smith_ball_bearing()
     lengths = {
         "D": b.ball_diameter,
         "d_i": b.inner_raceway,
@@ -229,49 +239,53 @@ def _compute_dimensions(e: Findings) -> None:
         "P_d": b.clearance,
     }
     for key, value in lengths.items():
-        e.number(key, value / INCH)
-        e.number(f"{key}_mm", 1e3 * value)
-    e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
+        findings.add_number(key, value / INCH)
+        findings.add_number(f"{key}_mm", 1e3 * value)
+    findings.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
     curvature = b.centre_distance / b.ball_diameter
-    e.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
-    e.number(
+    findings.numbers({"B": curvature, "B_mm": curvature, "alpha_0": degrees(b.free_angle), "alpha_0_rad": b.free_angle})
+    findings.add_number(
         "alpha_nominal",
         degrees(b.free_angle),
-        f"{degrees(float(thrust_state_of_ball_bearing(SHEET_LOAD).angle)):.2f} deg under 2040 lbf",
+        f"{degrees(float(thrust_state_of_ball_bearing(SHEET_LOAD).contact_angle)):.2f} deg under 2040 lbf",
     )
 
 
-def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
+def _compute_spreadsheet_cells_under_load(findings: ComputedEntryValues) -> None:
     """Compute the spreadsheet cells of Smith's Figure 2-10 that depend on the contact angle under load.
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     source, s = recompute_ball_spreadsheet(SHEET_LOAD / POUND), thrust_state_of_ball_bearing(SHEET_LOAD)
-    angle, q = float(s.angle), float(s.ball_load)
-    e.number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
-    e.number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
-    e.number("Q_N", q, as_printed=source.ball_load)
-    pairs = relative_curvatures(ball_bearing(), s.angle)
-    for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner, s.outer), strict=True)):
+    angle, q = float(s.contact_angle), float(s.ball_load)
+    findings.add_number("F_N", SHEET_LOAD, as_printed=SHEET_POUND * SHEET_LOAD / POUND)
+    findings.add_number("Q", q / POUND, as_printed=source.ball_load / SHEET_POUND)
+    findings.add_number("Q_N", q, as_printed=source.ball_load)
+    pairs = relative_curvatures(smith_ball_bearing(), s.contact_angle)
+    for i, (name, pair, h) in enumerate(zip("io", pairs, (s.inner_hertz, s.outer_hertz), strict=True)):
         across, along = (1e-3 * float(k) for k in pair)
         difference = (along - across) / (along + across)
-        e.number(f"sum_{name}", across + along, as_printed=source.sums[i])
-        e.number(f"F_{name}", difference, as_printed=source.differences[i] if name == "i" else None)
-        e.number(f"delta_{name}", dimensionless_hertz_parameters(difference)[0], as_printed=source.delta[i])
-        e.number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race[i])
-    e.number("K_n", float(s.inner.C + s.outer.C) ** -1.5 * 1e-3**1.5, as_printed=source.stiffness)
-    e.number("alpha", degrees(angle), as_printed=degrees(source.angle))
-    e.number("alpha_rad", angle, as_printed=source.angle)
-    free, loaded = (np.cos(np.radians(e.printed(key))) for key in ("alpha_0", "alpha"))
-    normal = e.printed("B") * e.printed("D_mm") * (free / loaded - 1.0)
-    rest = e.printed("Q_N") - e.printed("K_n") * normal**1.5
-    e.remark("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
-    e.number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
-    inner, outer = (float(a) / INCH**2 for a in s.areas())
-    words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {e.printed('area') / inner:.1f} times"
-    e.number("area", inner, words)
+        findings.add_number(f"sum_{name}", across + along, as_printed=source.curvature_sums[i])
+        findings.add_number(f"F_{name}", difference, as_printed=source.curvature_differences[i] if name == "i" else None)
+        findings.add_number(
+            f"delta_{name}", dimensionless_hertz_parameters(difference)[0], as_printed=source.dimensionless_approaches[i]
+        )
+        findings.add_number(f"K_{name}", float(h.C) ** -1.5 * 1e-3**1.5, as_printed=source.race_load_constants[i])
+    findings.add_number(
+        "K_n", float(s.inner_hertz.C + s.outer_hertz.C) ** -1.5 * 1e-3**1.5, as_printed=source.load_constant
+    )
+    findings.add_number("alpha", degrees(angle), as_printed=degrees(source.contact_angle))
+    findings.add_number("alpha_rad", angle, as_printed=source.contact_angle)
+    free, loaded = (np.cos(np.radians(findings.printed(key))) for key in ("alpha_0", "alpha"))
+    normal = findings.printed("B") * findings.printed("D_mm") * (free / loaded - 1.0)
+    rest = findings.printed("Q_N") - findings.printed("K_n") * normal**1.5
+    findings.add_remark("balance", f"Q_n - K_n delta_n^1.5 of the printed cells is {rest:.2g} N")
+    findings.add_number("delta_a", float(s.displacement) / INCH, as_printed=source.deflection / 25.4)
+    inner, outer = (float(a) / INCH**2 for a in s.contact_areas())
+    words = f"pi a b: inner {inner:.6f}, outer {outer:.6f} in2; printed {findings.printed('area') / inner:.1f} times"
+    findings.add_number("area", inner, words)
     slope = float(s.stiffness) / POUND_PER_INCH
-    e.number(
+    findings.add_number(
         "S_2040",
         slope,
         f"tangent of the sheet's curve {ball_spreadsheet_stiffness(2040.0):.3g} lbf/in",
@@ -279,33 +293,33 @@ def _compute_spreadsheet_cells_under_load(e: Findings) -> None:
     )
 
 
-def _compute_triplex_preload(e: Findings) -> None:
-    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994); ``e`` receives the results."""
+def _compute_triplex_preload(findings: ComputedEntryValues) -> None:
+    """Compute the preload of the triplex bearing set: section 2.1.2 of Smith (1994); ``findings`` receives the results."""
     for load in (1500.0, 1020.0):
-        e.number(
+        findings.add_number(
             f"delta_{load:.0f}",
             float(thrust_state_of_ball_bearing(load * POUND).displacement) / INCH,
             as_printed=recompute_ball_spreadsheet(load).deflection / 25.4,
         )
-    e.number(
+    findings.add_number(
         "gap",
         2.0 * float(thrust_state_of_ball_bearing(PRELOAD).displacement) / INCH,
         as_printed=2.0 * recompute_ball_spreadsheet(1500.0).deflection / 25.4,
     )
     triplex = bearing_rows_at_end("ball", "left")
     ready, pulled = (
-        solve_set_equilibrium(triplex).loads / POUND,
-        solve_set_equilibrium(triplex, 2000.0 * POUND).loads / POUND,
+        solve_bearing_row_equilibrium(triplex).row_thrusts / POUND,
+        solve_bearing_row_equilibrium(triplex, 2000.0 * POUND).row_thrusts / POUND,
     )
-    e.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
-    e.number("stretch_end", 2000.0, as_printed=1000.0)
-    shared = as_printed.row_loads_by_smith((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
+    findings.numbers({"P_tandem": float(ready[0]), "P_third": float(ready[2]), "ratio": float(ready[2] * POUND / PRELOAD)})
+    findings.add_number("stretch_end", 2000.0, as_printed=1000.0)
+    shared = as_printed.bearing_row_loads_as_printed((1020.0, 1020.0, 2040.0), (1, 1, -1), 1000.0)
     words = "equilibrium under the shaft's whole tension, 2000 lbf, at the end"
-    e.number("P_tandem_s", float(pulled[0]), words, as_printed=float(shared[0]))
-    e.number("P_third_s", float(pulled[2]), words, as_printed=float(shared[2]))
+    findings.add_number("P_tandem_s", float(pulled[0]), words, as_printed=float(shared[0]))
+    findings.add_number("P_third_s", float(pulled[2]), words, as_printed=float(shared[2]))
 
 
-def approach_fit_range() -> tuple[float, float, float]:
+def range_of_good_approach_fit() -> tuple[float, float, float]:
     """Return the range of the curvature difference F(p) where Smith's fit of the approach, equation (2.18), is within 2 %.
 
     First: lower end; second: upper end; third: error of the fit at F(p) = 0.5 [%]. The fit is that of the dimensionless
@@ -317,7 +331,7 @@ def approach_fit_range() -> tuple[float, float, float]:
         return abs(
             float(
                 error_percent(
-                    as_printed.hertz_parameter_by_polynomial(difference, "approach"),
+                    as_printed.hertz_parameter_by_smith_polynomial(difference, "approach"),
                     dimensionless_hertz_parameters(difference)[0],
                 )
             )
@@ -331,98 +345,108 @@ def approach_fit_range() -> tuple[float, float, float]:
     return low, high, fit_error(0.5)
 
 
-def section_2_1(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_1(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in Figure 2-10 and section 2.1.2 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    _compute_dimensions(e)
-    _compute_spreadsheet_cells_under_load(e)
-    _compute_triplex_preload(e)
-    low, high, worst = approach_fit_range()
-    e.claim("fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5")
-    f = recompute_ball_spreadsheet(2040.0).differences[0]
-    minor, exact = as_printed.hertz_parameter_by_polynomial(f, "minor"), dimensionless_hertz_parameters(f)[2]
+    _compute_ball_bearing_dimensions(findings)
+    _compute_spreadsheet_cells_under_load(findings)
+    _compute_triplex_preload(findings)
+    low, high, worst = range_of_good_approach_fit()
+    findings.add_claim(
+        "fit_good", worst < 2.0, f"within 2 % for F(p) from {low:.3f} to {high:.3f}; {worst:.0f} % off at 0.5"
+    )
+    f = recompute_ball_spreadsheet(2040.0).curvature_differences[0]
+    minor, exact = as_printed.hertz_parameter_by_smith_polynomial(f, "minor"), dimensionless_hertz_parameters(f)[2]
     percent = float(error_percent(minor, exact))
-    e.claim("fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}")
+    findings.add_claim(
+        "fit_minor", abs(percent) < 5.0, f"b* = {minor:.4f} for {exact:.4f}: {percent:+.0f} % at F(p) = {f:.3f}"
+    )
 
 
-def section_2_2(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the ball bearing's axial stiffness over thrust: Table 2-2 of Smith (1994).
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    loads = [row.key.removeprefix("theory_") for row in load_table(e.table) if row.key.startswith("theory_")]
-    measured, theory = (np.array([e.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
+    loads = [row.key.removeprefix("theory_") for row in load_printed_table(findings.table) if row.key.startswith("theory_")]
+    measured, theory = (np.array([findings.printed(f"{k}_{n}") for n in loads]) for k in ("measured", "theory"))
     right = np.array([float(thrust_state_of_ball_bearing(float(n) * POUND).stiffness) / POUND_PER_INCH for n in loads])
     for n, value in zip(loads, right, strict=True):
-        e.number(f"load_{n}", float(n))
-        e.number(f"measured_{n}", float(value))
-        e.number(f"theory_{n}", float(value), as_printed=ball_spreadsheet_stiffness(float(n)))
+        findings.add_number(f"load_{n}", float(n))
+        findings.add_number(f"measured_{n}", float(value))
+        findings.add_number(f"theory_{n}", float(value), as_printed=ball_spreadsheet_stiffness(float(n)))
     off = np.array([float(error_percent(t, m)) for t, m in zip(theory, measured, strict=True)])
     bad = [f"{p:+.0f} % at {n} lbf" for n, p in zip(loads, off, strict=True) if abs(p) > 10.0]
     ours = np.array([float(error_percent(r, m)) for r, m in zip(right, measured, strict=True)])
     words = f"{', '.join(bad)}; the right stiffness is {ours.min():+.0f} to {ours.max():+.0f} % off the test"
-    e.claim("within_10", not bad, words)
-    e.claim("grows", bool(np.all(np.diff(right) > 0.0)), f"from {right[0]:.3g} to {right[-1]:.3g} lbf/in")
+    findings.add_claim("within_10", not bad, words)
+    findings.add_claim("grows", bool(np.all(np.diff(right) > 0.0)), f"from {right[0]:.3g} to {right[-1]:.3g} lbf/in")
     steps = np.diff(1e6 / measured)
     # half a unit of the last digit of S, both rows of a difference
     digits = 1e6 * 500.0 * (1.0 / measured[1:] ** 2 + 1.0 / measured[:-1] ** 2)
     straight = bool(np.all(np.abs(steps - steps.mean()) <= 2.0 * digits))
-    e.claim("parabola", straight, f"differences of 1/S {steps.min():.5f} to {steps.max():.5f} 1e-6 in/lbf a row")
+    findings.add_claim("parabola", straight, f"differences of 1/S {steps.min():.5f} to {steps.max():.5f} 1e-6 in/lbf a row")
 
 
-def section_2_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def section_2_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute the friction torque of the ball bearing: section 2.3 of Smith (1994).
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    b = ball_bearing()
-    e.numbers({"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5})
-    e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
-    viscous = viscous_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
-    e.number("M_0", viscous)
+    b = smith_ball_bearing()
+    findings.numbers(
+        {"nu": 1e6 * VISCOSITY, "n": SPEED / RPM, "f_0": 2.0, "F": BALL_TORQUE_LOAD / POUND, "Y_0": 0.3, "X_0": 0.5}
+    )
+    findings.add_number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
+    viscous = load_independent_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
+    findings.add_number("M_0", viscous)
     product = 1e6 * VISCOSITY * SPEED / RPM
-    e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
+    findings.add_claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s = thrust_state_of_ball_bearing(BALL_TORQUE_LOAD)
-    (across, along), _ = relative_curvatures(b, s.angle)
-    rating = palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))
+    (across, along), _ = relative_curvatures(b, s.contact_angle)
+    rating = palmgren_static_rating(1, b.balls, b.ball_diameter, float(s.contact_angle), float(across), float(along))
     loaded = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating).torque / INCH_POUND
     whole = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, rating, axial_factor=1.0).torque / INCH_POUND
     three = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
     radial = 1.25e6 * KILOGRAM_FORCE * b.balls * b.ball_diameter**2 * float(np.cos(b.free_angle))
     nearest = load_dependent_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, radial, axial_factor=0.5).torque / INCH_POUND
-    share = float((s.inner.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
-    row = ball_torque("angular contact", float(s.angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None)
+    share = float((s.inner_hertz.pressure(s.ball_load) / DENT_PRESSURE) ** 3)
+    row = ball_bearing_torque(
+        "angular contact", float(s.contact_angle), b.pitch_diameter, (BALL_TORQUE_LOAD, 0.0, share), None
+    )
     low, high = (x / INCH_POUND for x in row.load)
     words = f"one row {loaded:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}; published "
     words += (
         f"coefficients with P_0/C_0 by the largest contact load {low:.2f} to {high:.2f}; nearest reading {nearest:.2f}, "
     )
     words += "by what the text does not say: X_0 in place of Y_0, and Palmgren's radial C_0 = 1.25 kg/mm2 Z D^2 cos(alpha)"
-    e.number("M_1", loaded, words)
+    findings.add_number("M_1", loaded, words)
     words = f"computed: {viscous:.2f} + {loaded:.2f} = {viscous + loaded:.2f} in-lb"
-    e.number("M", e.printed("M_0") + e.printed("M_1"), words)
+    findings.add_number("M", findings.printed("M_0") + findings.printed("M_1"), words)
     pound = 1e-3 * KILOGRAM_FORCE / INCH_POUND
-    e.number("unit", pound, "kg mm in in-lbf", as_printed=2.2 / 25.4)
+    findings.add_number("unit", pound, "kg mm in in-lbf", as_printed=2.2 / 25.4)
     film = 1e-6 * LEAST_FILM * RPM * DENSITY / ATMOSPHERE
-    e.number("film", film, f"nu n = {LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
-    e.number("f_1", 0.0013)
-    e.number("k_0", 2.8)
-    test = e.printed("M_test")
+    findings.add_number("film", film, f"nu n = {LEAST_FILM:g} cSt rpm, oil of {DENSITY:g} kg/m3, one atmosphere")
+    findings.add_number("f_1", 0.0013)
+    findings.add_number("k_0", 2.8)
+    test = findings.printed("M_test")
     least, most = (viscous + x / INCH_POUND for x in row.starting)
     words = f"from rest {least:.2f} to {most:.2f} in-lb: film and twice the load's part, which fresh grease exceeds"
-    e.number("M_test", most, words)
+    findings.add_number("M_test", most, words)
     growth = (2000.0 / 500.0) ** (4.0 / 3.0)
-    e.claim("insensitive", growth < 1.5, f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf")
-    e.number("M_test_3", 3.0 * test)
-    percent = float(error_percent(e.printed("M"), test))
+    findings.add_claim(
+        "insensitive", growth < 1.5, f"by (2.33), (2.34) the load's part grows {growth:.1f} times from 500 to 2000 lbf"
+    )
+    findings.add_number("M_test_3", 3.0 * test)
+    percent = float(error_percent(findings.printed("M"), test))
     off = float(error_percent(viscous + loaded, test))
-    words = f"{e.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
-    e.claim("fair", abs(percent) <= 10.0, words)
+    words = f"{findings.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
+    findings.add_claim("fair", abs(percent) <= 10.0, words)
 
 
 #: Radial load in Smith's spreadsheet of the tapered bearing [N], and exponent of its load-distribution integrals.
@@ -439,76 +463,85 @@ CROWN, SLICES = 2.0, 101
 
 
 @cache
-def combined_load_state() -> CombinedState:
+def state_under_thrust_and_radial_load() -> ThrustAndRadialState:
     """Return the equilibrium of Smith's tapered roller bearing under the thrust and the radial load of his Figure 3-6."""
-    return solve_thrust_and_radial_equilibrium(taper_bearing(), SHEET_LOAD, RADIAL)
+    return solve_thrust_and_radial_equilibrium(smith_tapered_bearing(), SHEET_LOAD, RADIAL)
 
 
 @cache
-def roller_contacts_under_thrust() -> RollerContacts:
+def roller_contacts_under_spreadsheet_thrust() -> RollerContacts:
     """Return half widths, pressures and areas of one tapered roller's contacts under the thrust of Smith's Figure 3-6."""
-    b = taper_bearing()
-    return roller_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
+    b = smith_tapered_bearing()
+    return roller_line_contacts(b, SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))))
 
 
-def taper_stiffness(pounds: float, depth: float = RING_DEPTH) -> float:
+def tapered_bearing_stiffness(thrust_lbf: float, depth: float = RING_DEPTH) -> float:
     """Return the tapered roller bearing's axial stiffness [lbf/in] from the deformation of its line contacts.
 
-    ``pounds``: thrust [lbf]; ``depth``: depth [m] in the rings to which the contacts' deformation is counted.
+    ``thrust_lbf``: thrust [lbf]; ``depth``: depth [m] in the rings to which the contacts' deformation is counted.
     """
-    row = TaperedRow(replace(taper_bearing(), depth=depth))
-    return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
+    row = StraightTaperedRow(replace(smith_tapered_bearing(), depth=depth))
+    return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
-def crowned_taper_stiffness(pounds: float) -> float:
+def crowned_tapered_bearing_stiffness(thrust_lbf: float) -> float:
     """Return the tapered roller bearing's axial stiffness [lbf/in] with crowned rollers, computed in slices of a roller.
 
-    ``pounds``: thrust [lbf]; the crown's radius is `CROWN`.
+    ``thrust_lbf``: thrust [lbf]; the crown's radius is `CROWN`.
     """
-    row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
-    return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
+    row = SlicedTaperedRow(smith_tapered_bearing(), SLICES, circular_crown_profile(CROWN))
+    return row.stiffness(row.deflection(thrust_lbf * POUND)) / POUND_PER_INCH
 
 
-def taper_deflection_as_printed(pounds: float, length: float, diameter: float, cup: float, roller: float) -> float:
+def tapered_bearing_deflection_as_printed(
+    thrust_lbf: float, length: float, diameter: float, cup_angle: float, roller_angle: float
+) -> float:
     """Return the tapered bearing's axial deflection [in] by Smith's equations 3.17 to 3.21.
 
-    ``pounds``: thrust [lbf]; ``length``, ``diameter``: length and diameter of a roller [in]; ``cup``, ``roller``: half
-    cone angles of outer race and roller [rad].
+    ``thrust_lbf``: thrust [lbf]; ``length``, ``diameter``: length and diameter of a roller [in]; ``cup_angle``,
+    ``roller_angle``: half cone angles of outer race and roller [rad].
     """
-    line = pounds / (taper_bearing().rollers * np.sin(cup) * length)
-    return as_printed.roller_approach(float(line), diameter, cup, roller) / float(np.sin(cup))
+    line = thrust_lbf / (smith_tapered_bearing().rollers * np.sin(cup_angle) * length)
+    return as_printed.roller_approach_as_printed(float(line), diameter, cup_angle, roller_angle) / float(np.sin(cup_angle))
 
 
-def taper_spreadsheet_deflection(pounds: float = SHEET_LOAD / POUND) -> float:
+def tapered_bearing_spreadsheet_deflection(thrust_lbf: float = SHEET_LOAD / POUND) -> float:
     """Return the tapered bearing's axial deflection [in] by Smith's spreadsheet (Figure 3-6).
 
-    ``pounds``: thrust [lbf].
+    ``thrust_lbf``: thrust [lbf].
     """
-    b = taper_bearing()
-    return taper_deflection_as_printed(pounds, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
+    b = smith_tapered_bearing()
+    return tapered_bearing_deflection_as_printed(
+        thrust_lbf, b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle
+    )
 
 
-def taper_deflection_range() -> tuple[float, float]:
+def tapered_bearing_deflection_range() -> tuple[float, float]:
     """Return smallest and largest axial deflection [in] of the tapered bearing within the rounding of Smith's inputs."""
-    b = taper_bearing()
+    b = smith_tapered_bearing()
     half = (0.005, 0.005, np.radians(0.05), np.radians(0.005))
     middle = (b.length / INCH, b.diameter / INCH, b.cup_angle, b.roller_angle)
     found = []
     for signs in product((-1.0, 1.0), repeat=4):
         length, diameter, cup, roller = (float(m + s * h) for m, s, h in zip(middle, signs, half, strict=True))
-        found.append(taper_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
+        found.append(tapered_bearing_deflection_as_printed(SHEET_LOAD / POUND, length, diameter, cup, roller))
     return min(found), max(found)
 
 
-def taper_spreadsheet_stiffness(pounds: float) -> float:
-    """Return the tapered bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``pounds`` [lbf]."""
-    return 2.0 / (taper_spreadsheet_deflection(pounds + 1.0) - taper_spreadsheet_deflection(pounds - 1.0))
+def tapered_bearing_spreadsheet_stiffness(thrust_lbf: float) -> float:
+    """Return the tapered bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``thrust_lbf`` [lbf]."""
+    return 2.0 / (
+        tapered_bearing_spreadsheet_deflection(thrust_lbf + 1.0) - tapered_bearing_spreadsheet_deflection(thrust_lbf - 1.0)
+    )
 
 
-def _compute_taper_spreadsheet(e: Findings) -> None:
-    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6; ``e`` receives the results."""
-    b = taper_bearing()
-    e.numbers(
+def _compute_taper_spreadsheet(findings: ComputedEntryValues) -> None:
+    """Compute inputs, load zone and deflection of the tapered bearing in Smith's Figure 3-6.
+
+    ``findings`` receives the results.
+    """
+    b = smith_tapered_bearing()
+    findings.numbers(
         {
             "F_r": RADIAL / POUND,
             "F_a": SHEET_LOAD / POUND,
@@ -521,112 +554,119 @@ def _compute_taper_spreadsheet(e: Findings) -> None:
         }
     )
     zone = load_zone_under_thrust_and_radial_load(SHEET_LOAD, RADIAL, b.cup_angle, EXPONENT)
-    exact = load_zone_integrals(e.printed("eps"), EXPONENT)
-    ratio = e.printed("J_r") / e.printed("J_a")
-    words = f"printed J_r/J_a = {ratio:.6g}, Z = {e.printed('Z'):.6g}; "
-    words += f"exact at the printed eps: {exact.axial:.6f}, {exact.radial:.6g}"
-    e.number("J_a", zone.axial, words)
-    e.number("J_r", zone.radial, words)
-    e.number("eps", zone.eps, words)
-    low, high = taper_deflection_range()
-    e.number(
+    exact = load_zone_integrals(findings.printed("eps"), EXPONENT)
+    ratio = findings.printed("J_r") / findings.printed("J_a")
+    words = f"printed J_r/J_a = {ratio:.6g}, Z = {findings.printed('Z'):.6g}; "
+    words += f"exact at the printed eps: {exact.thrust_integral:.6f}, {exact.radial_integral:.6g}"
+    findings.add_number("J_a", zone.thrust_integral, words)
+    findings.add_number("J_r", zone.radial_integral, words)
+    findings.add_number("eps", zone.eps, words)
+    low, high = tapered_bearing_deflection_range()
+    findings.add_number(
         "delta_a",
-        combined_load_state().axial / INCH,
-        f"3.19 gives {taper_spreadsheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to "
+        state_under_thrust_and_radial_load().axial_displacement / INCH,
+        f"3.19 gives {tapered_bearing_spreadsheet_deflection():.6f} in, over the roundings of the inputs {low:.6f} to "
         f"{high:.6f}; line contacts "
-        f"to the rings' depth {combined_load_state().axial / INCH:.6f}",
-        as_printed=taper_spreadsheet_deflection(),
+        f"to the rings' depth {state_under_thrust_and_radial_load().axial_displacement / INCH:.6f}",
+        as_printed=tapered_bearing_spreadsheet_deflection(),
     )
-    radial = taper_spreadsheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * e.printed("eps") - 1.0)
-    e.number(
-        "delta_r", combined_load_state().radial / INCH, f"3.20 with the printed eps {radial:.3g} in", as_printed=radial
+    radial = tapered_bearing_spreadsheet_deflection() * float(np.tan(b.cup_angle)) / (2.0 * findings.printed("eps") - 1.0)
+    findings.add_number(
+        "delta_r",
+        state_under_thrust_and_radial_load().radial_displacement / INCH,
+        f"3.20 with the printed eps {radial:.3g} in",
+        as_printed=radial,
     )
-    slopes, printed = [taper_stiffness(f) for f in ENDS], [taper_spreadsheet_stiffness(f) for f in ENDS]
+    slopes, printed = [tapered_bearing_stiffness(f) for f in ENDS], [tapered_bearing_spreadsheet_stiffness(f) for f in ENDS]
     growth = [float(error_percent(v[1], v[0])) for v in (slopes, printed)]
-    e.claim(
+    findings.add_claim(
         "linear",
         max(growth) < 5.0,
         f"stiffness grows from {ENDS[0]:.0f} to {ENDS[1]:.0f} lbf by {growth[0]:.0f} % (3.19: {growth[1]:.0f} %); "
-        f"that of the ball bearing by {_ball_stiffness_growth():.0f} %",
+        f"that of the ball bearing by {_ball_bearing_stiffness_growth_percent():.0f} %",
     )
 
 
-def _ball_stiffness_growth() -> float:
+def _ball_bearing_stiffness_growth_percent() -> float:
     """Return the growth [%] of the ball bearing's stiffness between the thrusts `ENDS`, 500 and 2500 lbf."""
     low, high = (float(thrust_state_of_ball_bearing(f * POUND).stiffness) for f in ENDS)
     return float(error_percent(high, low))
 
 
-def _compute_taper_contacts(e: Findings) -> None:
+def _compute_taper_contacts(findings: ComputedEntryValues) -> None:
     """Compute contact areas and pressures of the tapered roller bearing: chapter 3 of Smith (1994).
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
-    b, c = taper_bearing(), roller_contacts_under_thrust()
-    p = as_printed.taper_contact(
+    b, c = smith_tapered_bearing(), roller_contacts_under_spreadsheet_thrust()
+    p = as_printed.roller_contact_as_printed(
         SHEET_LOAD / POUND, b.rollers, b.length / INCH, b.diameter / INCH, b.pitch_diameter / INCH, b.cone_angle
     )
-    e.number("a", 0.5 * b.length / INCH)
+    findings.add_number("a", 0.5 * b.length / INCH)
     race = SHEET_LOAD / (b.rollers * float(np.sin(b.cup_angle))) / POUND
-    words = f"race load {race:.0f} lbf with the rib's part, {p.load:.0f} as printed"
-    e.number("b", float(c.half_widths[0]) / INCH, words, as_printed=p.half_width)
-    e.number("A", float(c.areas[0]) / INCH**2, words, as_printed=p.area)
-    e.number("sigma", float(c.pressures[0]) / PSI, words, as_printed=p.pressure)
-    a_rib, b_rib, area = (e.printed(k) for k in ("rib_a", "rib_b", "rib_A"))
-    load = 2.0 / 3.0 * np.pi * a_rib * b_rib * e.printed("rib_sigma")
+    words = f"race load {race:.0f} lbf with the rib's part, {p.roller_load:.0f} as printed"
+    findings.add_number("b", float(c.half_widths[0]) / INCH, words, as_printed=p.half_width)
+    findings.add_number("A", float(c.areas[0]) / INCH**2, words, as_printed=p.contact_area)
+    findings.add_number("sigma", float(c.pressures[0]) / PSI, words, as_printed=p.pressure)
+    a_rib, b_rib, area = (findings.printed(k) for k in ("rib_a", "rib_b", "rib_A"))
+    load = 2.0 / 3.0 * np.pi * a_rib * b_rib * findings.printed("rib_sigma")
     words = f"printed ellipse and pressure need {load:.0f} lbf, balance of the roller gives {c.rib_load / POUND:.0f}"
     for key in ("rib_a", "rib_b", "rib_sigma"):
-        e.number(key, None, words)
-    e.number("rib_A", np.pi * a_rib * b_rib, "pi a b of the printed semi-axes beside a b", as_printed=a_rib * b_rib)
+        findings.add_number(key, None, words)
+    findings.add_number(
+        "rib_A", np.pi * a_rib * b_rib, "pi a b of the printed semi-axes beside a b", as_printed=a_rib * b_rib
+    )
     ours = b.rollers * float(c.areas.sum()) / INCH**2
-    inner, outer = (float(a) / INCH**2 for a in thrust_state_of_ball_bearing(SHEET_LOAD).areas())
-    balls = ball_bearing().balls * (inner + outer)
-    e.number("area_taper", ours, as_printed=2.0 * b.rollers * p.area)
-    e.number("area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * ball_bearing().balls * 0.0065)
-    e.number("area_rib", b.rollers * np.pi * a_rib * b_rib, as_printed=b.rollers * area)
-    e.claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
+    inner, outer = (float(a) / INCH**2 for a in thrust_state_of_ball_bearing(SHEET_LOAD).contact_areas())
+    balls = smith_ball_bearing().balls * (inner + outer)
+    findings.add_number("area_taper", ours, as_printed=2.0 * b.rollers * p.contact_area)
+    findings.add_number(
+        "area_ball", balls, "as printed from 0.0065 in2, itself open", as_printed=2.0 * smith_ball_bearing().balls * 0.0065
+    )
+    findings.add_number("area_rib", b.rollers * np.pi * a_rib * b_rib, as_printed=b.rollers * area)
+    findings.add_claim("less_area", ours < balls, f"{ours:.3f} in2 against {balls:.3f} in2: {ours / balls:.1f} times")
 
 
-def _compute_taper_tests(e: Findings) -> None:
+def _compute_taper_tests(findings: ComputedEntryValues) -> None:
     """Compute stiffness and friction torque of the tapered bearing, to compare with the tests in Smith's chapter 3.
 
-    ``e``: receives the results.
+    ``findings``: receives the results.
     """
     load = TAPER_TORQUE_LOAD / POUND
-    middle = taper_stiffness(load)
-    drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
-    by_depth = [taper_stiffness(load, depth) for depth in DEPTHS]
-    model, test = taper_spreadsheet_stiffness(load), e.printed("S_test")
-    e.number(
+    middle = tapered_bearing_stiffness(load)
+    drop = 1e6 * float(circular_crown_profile(CROWN)(np.array(0.5 * smith_tapered_bearing().length)))
+    by_depth = [tapered_bearing_stiffness(load, depth) for depth in DEPTHS]
+    model, test = tapered_bearing_spreadsheet_stiffness(load), findings.printed("S_test")
+    findings.add_number(
         "S_test",
         middle,
         f"model as printed {model:.3g}, line contacts {middle:.3g} lbf/in at 1500 lbf: "
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
         f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
         f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
-        f"{crowned_taper_stiffness(load):.3g}, but then {crowned_taper_stiffness(ENDS[0]):.3g} to "
-        f"{crowned_taper_stiffness(ENDS[1]):.3g} "
+        f"{crowned_tapered_bearing_stiffness(load):.3g}, but then {crowned_tapered_bearing_stiffness(ENDS[0]):.3g} to "
+        f"{crowned_tapered_bearing_stiffness(ENDS[1]):.3g} "
         f"from "
         f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
     )
-    e.number("F_torque", load)
+    findings.add_number("F_torque", load)
     viscosity = VISCOSITY * DENSITY
-    implied = timken_factor_from_torque(e.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
+    implied = timken_factor_from_torque(findings.printed("M") * INCH_POUND, viscosity, SPEED, TAPER_TORQUE_LOAD)
     unit = timken_running_torque(1.0, viscosity, SPEED, TAPER_TORQUE_LOAD) / INCH_POUND
-    e.number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
-    test = e.printed("M_test")
-    e.number("M_test", None, f"needs G_1 = {test / unit:.0f}")
-    e.number("M_test_2", 2.0 * test)
-    percent = float(error_percent(e.printed("M"), test))
-    e.claim("fair", abs(percent) <= 10.0, f"{percent:+.0f} %")
+    findings.add_number("M", None, f"{unit:.4f} in-lb times G_1: needs G_1 = {implied:.0f}")
+    test = findings.printed("M_test")
+    findings.add_number("M_test", None, f"needs G_1 = {test / unit:.0f}")
+    findings.add_number("M_test_2", 2.0 * test)
+    percent = float(error_percent(findings.printed("M"), test))
+    findings.add_claim("fair", abs(percent) <= 10.0, f"{percent:+.0f} %")
 
 
-def chapter_3(e: Findings, study: Study) -> None:  # noqa: ARG001 - every table takes the study
+def chapter_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Recompute the numbers printed in chapter 3 of Smith (1994), and check the claims made there.
 
-    ``e``: receives the computed value to compare with each printed number, and whether each printed claim holds. ``study``:
-    not used here.
+    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds.
+    ``cache``: not used here.
     """
-    _compute_taper_spreadsheet(e)
-    _compute_taper_contacts(e)
-    _compute_taper_tests(e)
+    _compute_taper_spreadsheet(findings)
+    _compute_taper_contacts(findings)
+    _compute_taper_tests(findings)

@@ -10,7 +10,7 @@ from .motion import (
     least_dissipation_of_bodies,
     minimise_dissipation,
 )
-from .rings import contact_energy, hertz_contact, minimise_each, minimise_energy, solve_with_pivots
+from .rings import contact_energy, hertz_contact, minimise_energy, minimise_energy_of_each_ball, solve_with_pivots
 
 __all__ = [
     "GIVEN",
@@ -24,7 +24,7 @@ __all__ = [
     "least_dissipation",
     "least_dissipation_of_bodies",
     "minimise_dissipation",
-    "minimise_each",
     "minimise_energy",
+    "minimise_energy_of_each_ball",
     "solve_with_pivots",
 ]

@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.contact.kernel_types import Array, CellArrays, CellState
+from rollbench.lowfi.friction.contact.kernel_types import Array, BallContactArrays, BallContactState
 from rollbench.lowfi.jit import kernel
 
 #: Number of a ball's contacts on the inner body, which come first; the others are on the outer body.
@@ -37,7 +37,7 @@ def hertz_contact(
 
 
 @kernel
-def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
+def contact_energy(cell: BallContactArrays, p: Array, u: Array, state: BallContactState) -> float:
     """Return the elastic contact energy [J] of N balls at given displacements; write its derivatives to ``state``.
 
     cell: geometry, stiffness and applied forces; p (N, 2): displacements of the balls; u (m,): displacements of the
@@ -76,14 +76,21 @@ def contact_energy(cell: CellArrays, p: Array, u: Array, state: CellState) -> fl
 
 
 @kernel
-def write_position_newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
+def write_position_newton_step(
+    cell: BallContactArrays, state: BallContactState, floor: float, dp: Array, du: Array
+) -> None:
     """Write Newton's step of the ball positions to dp (N, 2) and of the inner body to du (m,) [m].
 
     The balls are eliminated first. cell: geometry of balls and inner body; state: gradient and stiffness that
     `contact_energy` has written; floor: stiffness that is added on the diagonal [N/m], so that balls without contact
     have a finite step.
     """
-    section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
+    section, ball, inner, stiff = (
+        cell.inner_displacement_maps,
+        state.ball_unbalanced_forces,
+        state.inner_unbalanced_forces,
+        state.stiffness,
+    )
     n, m = ball.shape[0], inner.shape[0]
     schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -inner
     for j in range(m):
@@ -91,7 +98,10 @@ def write_position_newton_step(cell: CellArrays, state: CellState, floor: float,
     for k in range(n):
         least = floor
         if np.max(state.force[k]) == 0.0:  # limits the step of a ball without contact, which would shorten all steps
-            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (LONGEST_STEP * cell.reach))
+            least = max(
+                floor,
+                sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (LONGEST_STEP * cell.groove_ball_centre_distance),
+            )
         xx, xz, zz, s_xx, s_xz, s_zz = least, 0.0, least, 0.0, 0.0, 0.0
         for i in range(4):
             xx, xz, zz = xx + stiff[k, i, 0], xz + stiff[k, i, 1], zz + stiff[k, i, 2]
@@ -122,9 +132,13 @@ def write_position_newton_step(cell: CellArrays, state: CellState, floor: float,
 
 
 @kernel
-def copy_state(source: CellState, to: CellState) -> None:
+def copy_state(source: BallContactState, to: BallContactState) -> None:
     """Copy all arrays of contact forces and derivatives from the state ``source`` to the state ``to``."""
-    to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
+    to.ball_unbalanced_forces[:], to.inner_unbalanced_forces[:], to.stiffness[:] = (
+        source.ball_unbalanced_forces,
+        source.inner_unbalanced_forces,
+        source.stiffness,
+    )
     to.force[:], to.normal[:] = source.force, source.normal
 
 
@@ -140,7 +154,9 @@ def largest_entry(balls: Array, inner: Array) -> float:
 
 
 @kernel
-def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
+def minimise_energy(
+    cell: BallContactArrays, load: float, p: Array, u: Array, state: BallContactState, goal: float, limit: int
+) -> int:
     """Find the displacements of balls and inner body at the minimum of elastic energy; return the number of Newton steps.
 
     cell: geometry, stiffness and applied forces; p (N, 2): displacements of the balls, u (m,): displacements of the
@@ -148,26 +164,26 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
     magnitudes of the applied forces [N]. The iteration ends when the largest unbalanced force is below ``goal`` times
     the sum of all forces, after ``limit`` steps, or when round-off prevents a further decrease of energy and imbalance.
     """
-    reach = cell.reach
+    reach = cell.groove_ball_centre_distance
     dp, du = np.zeros_like(p), np.zeros_like(u)
     stiff, force, normal = np.zeros_like(state.stiffness), np.zeros_like(state.force), np.zeros_like(state.normal)
-    trial = CellState(np.zeros_like(p), np.zeros_like(u), stiff, force, normal)
+    trial = BallContactState(np.zeros_like(p), np.zeros_like(u), stiff, force, normal)
     energy, steps = contact_energy(cell, p, u, state), 0
-    worst = largest_entry(state.ball, state.inner)
+    worst = largest_entry(state.ball_unbalanced_forces, state.inner_unbalanced_forces)
     while steps < limit and worst > goal * (load + np.sum(state.force)):
         steps += 1
         floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
         write_position_newton_step(cell, state, floor, dp, du)
         length = min(1.0, LONGEST_STEP * reach / max(largest_entry(dp, du), 1e-300))
-        slope = np.sum(state.ball * dp) + np.sum(state.inner * du)
-        work = np.sum(cell.push * dp) + np.sum(cell.pull * du)
+        slope = np.sum(state.ball_unbalanced_forces * dp) + np.sum(state.inner_unbalanced_forces * du)
+        work = np.sum(cell.ball_forces * dp) + np.sum(cell.inner_body_forces * du)
         moved = False
         for _ in range(50):
             new = contact_energy(cell, p + length * dp, u + length * du, trial)
             # the work of the step is added separately, which is precise also for nearly unloaded balls; if round-off still
             # hides the decrease of the energy, the imbalance decides
             flat = -length * slope <= 1e-12 * energy
-            off = largest_entry(trial.ball, trial.inner)
+            off = largest_entry(trial.ball_unbalanced_forces, trial.inner_unbalanced_forces)
             if off < worst if flat else new - energy - length * work <= 1e-4 * length * slope:
                 moved = True
                 break
@@ -182,7 +198,7 @@ def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: Ce
 
 
 @kernel
-def minimise_each(
+def minimise_energy_of_each_ball(
     start: Array,
     interference: Array,
     C: Array,
@@ -209,11 +225,15 @@ def minimise_each(
     for k in range(x.shape[0]):
         reach = sqrt(np.min(np.sum(start[k] * start[k], axis=1)))
         push, pull = given[k : k + 1, :2].copy(), given[k, 2:].copy()
-        cell = CellArrays(start[k : k + 1], interference[k : k + 1], C[k], section, offset, push, pull, reach)
-        state = CellState(np.zeros((1, 2)), np.zeros(1), stiff, force[k : k + 1], normal[k : k + 1])
+        cell = BallContactArrays(start[k : k + 1], interference[k : k + 1], C[k], section, offset, push, pull, reach)
+        state = BallContactState(np.zeros((1, 2)), np.zeros(1), stiff, force[k : k + 1], normal[k : k + 1])
         ball, inner = x[k : k + 1, :2].copy(), x[k, 2:].copy()
         minimise_energy(cell, float(np.sum(np.abs(given[k]))), ball, inner, state, goal, limit)
-        x[k, :2], x[k, 2:], left[k] = ball[0], inner, largest_entry(state.ball, state.inner)
+        x[k, :2], x[k, 2:], left[k] = (
+            ball[0],
+            inner,
+            largest_entry(state.ball_unbalanced_forces, state.inner_unbalanced_forces),
+        )
 
 
 @kernel

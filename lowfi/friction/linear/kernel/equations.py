@@ -14,10 +14,16 @@ from math import sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, NewtonArrays, Smoothing
-from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, load_kernel_package
+from rollbench.lowfi.friction.linear.kernel_types import (
+    Array,
+    ChainArrays,
+    ChainSearchState,
+    EquationSmoothing,
+    NewtonArrays,
+)
+from rollbench.lowfi.jit import CONTACT, is_compiled_module, kernel, load_kernel_package
 
-_OTHER = load_kernel_package(CONTACT, compiled=is_compiled(__name__))
+_OTHER = load_kernel_package(CONTACT, compiled=is_compiled_module(__name__))
 
 dissipation, solve_with_pivots = _OTHER.dissipation, _OTHER.solve_with_pivots
 
@@ -102,19 +108,19 @@ def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
 
 
 @kernel
-def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: Array, g: Array) -> None:
+def _add_groove_friction(chain: ChainArrays, point: ChainSearchState, eps: float, K: Array, g: Array) -> None:
     """Add the friction at the grooves to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
     chain: contacts of the N balls; point: present motions; eps: regularising speed of friction, divided by the
     carriage's speed.
     """
-    contacts, slip = chain.contacts, point.slip
+    contacts, slip = chain.contacts, point.groove_contact_slips
     for j in range(contacts.shape[0]):
         for i in range(contacts.shape[1]):
             bound = contacts[j, i, 3]
             if bound == 0.0:
                 continue
-            f, m, ss, sw, ww = regularised_friction(slip[j, i, 0], slip[j, i, 1], chain.shape, eps)
+            f, m, ss, sw, ww = regularised_friction(slip[j, i, 0], slip[j, i, 1], chain.friction_constants, eps)
             nx, ny, arm = contacts[j, i, 0], contacts[j, i, 1], contacts[j, i, 4]
             # slip and spin by v, R omega_x, R omega_y (Lin 3.22-3.24)
             rows = ((1.0, 0.0), (ny, arm * nx), (-nx, arm * ny))
@@ -131,7 +137,7 @@ def _add_groove_friction(chain: ChainArrays, point: ChainPoint, eps: float, K: A
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
     """Add the friction between balls k and k + 1 to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    pair (N - 1, 3): field of `ChainPoint`, whose last two columns are the sliding of balls k and k + 1 on each other;
+    pair (N - 1, 3): field of `ChainSearchState`, whose last two columns are the sliding of balls k and k + 1 on each other;
     eps: regularising speed of friction, divided by the carriage's speed; bound: coefficient of friction times force;
     slope: derivative of the bound by the unknown z of the contact.
     """
@@ -150,15 +156,15 @@ def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Arr
 
 
 @kernel
-def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
+def write_chain_equations(chain: ChainArrays, point: ChainSearchState, law: EquationSmoothing, K: Array, g: Array) -> None:
     """Write the residual of all equations of a row of N balls to g (4 N,) and its Jacobian to K (4 N, 11).
 
     The rows of a ball are its three unbalanced forces and the equation of the gap to the next ball. chain: contacts of
     the balls; point: present unknowns; law: smoothing of friction and contact conditions.
     """
-    pair, drift, z = point.pair, point.drift, point.z
+    pair, drift, z = point.ball_to_ball_slips, point.motion_less_nominal, point.ball_to_ball_unknowns
     eps, share, smooth, spring = law
-    closed, mu, hold = chain.closed, chain.mu, chain.hold
+    closed, mu, hold = chain.can_touch_next, chain.mu, chain.holding_stiffness
     K[:] = 0.0
     for j in range(drift.shape[0]):
         stiffness = hold[j] + spring
@@ -192,7 +198,7 @@ def assemble_equations(chain: ChainArrays, point: ChainPoint, law: Smoothing, K:
 
 
 @kernel
-def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
+def _add_contact_slips(contacts: Array, point: ChainSearchState, x: Array) -> None:
     """Add the sliding at all contacts that motions x of the balls cause to ``slip`` and ``pair`` of the point.
 
     contacts: field of `ChainArrays`; x (N, 3): the motions, velocity and ball radius times two spins, divided by the
@@ -207,53 +213,67 @@ def _add_contact_slips(contacts: Array, point: ChainPoint, x: Array) -> None:
 
 
 @kernel
-def write_contact_slips(chain: ChainArrays, point: ChainPoint) -> None:
+def write_contact_slips(chain: ChainArrays, point: ChainSearchState) -> None:
     """Compute the sliding at all contacts from the motions of the balls; write it to ``slip`` and ``pair`` of the point.
 
     chain: contacts and nominal motion of the N balls; point: its ``drift`` gives the motions.
     """
-    point.slip[:, :, 0], point.slip[:, :, 1], point.pair[:] = -chain.contacts[:, :, 2], 0.0, 0.0
-    _add_contact_slips(chain.contacts, point, chain.nominal + point.drift)
+    point.groove_contact_slips[:, :, 0], point.groove_contact_slips[:, :, 1], point.ball_to_ball_slips[:] = (
+        -chain.contacts[:, :, 2],
+        0.0,
+        0.0,
+    )
+    _add_contact_slips(chain.contacts, point, chain.nominal_motion + point.motion_less_nominal)
 
 
 @kernel
-def apply_step(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
+def apply_newton_step(chain: ChainArrays, point: ChainSearchState, step: Array, t: float) -> None:
     """Add t times a Newton step of all unknowns to the point, and update the sliding at the contacts.
 
     chain: contacts of the N balls; step (4 N,): three motions and the unknown z of each ball; t: factor of the step.
     """
-    n = point.drift.shape[0]
+    n = point.motion_less_nominal.shape[0]
     change = t * step[: 4 * n].reshape(n, 4)
-    point.z[:] += change[:-1, 3]
-    point.drift[:] += change[:, :3]
+    point.ball_to_ball_unknowns[:] += change[:-1, 3]
+    point.motion_less_nominal[:] += change[:, :3]
     _add_contact_slips(chain.contacts, point, change)
 
 
 @kernel
-def reset_open_gaps(point: ChainPoint, eps: float) -> None:
+def reset_open_gaps(point: ChainSearchState, eps: float) -> None:
     """Set the unknown z of every open gap to minus the gap's opening rate divided by the regularising speed eps.
 
     The equations with exact complementarity need this unit; in the smoothed equations the rate is divided by the
     carriage's speed.
     """
-    for k in range(point.z.shape[0]):
-        if point.z[k] <= 0.0:
-            point.z[k] = min(0.0, point.pair[k, 0] / eps)
+    for k in range(point.ball_to_ball_unknowns.shape[0]):
+        if point.ball_to_ball_unknowns[k] <= 0.0:
+            point.ball_to_ball_unknowns[k] = min(0.0, point.ball_to_ball_slips[k, 0] / eps)
 
 
 @kernel
-def copy_point(point: ChainPoint) -> ChainPoint:
+def copy_chain_state(point: ChainSearchState) -> ChainSearchState:
     """Return a copy of the motions and forces of the balls in ``point``."""
-    return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
+    return ChainSearchState(
+        point.groove_contact_slips.copy(),
+        point.ball_to_ball_slips.copy(),
+        point.motion_less_nominal.copy(),
+        point.ball_to_ball_unknowns.copy(),
+    )
 
 
 @kernel
-def restore_point(point: ChainPoint, kept: ChainPoint) -> None:
+def restore_chain_state(point: ChainSearchState, kept: ChainSearchState) -> None:
     """Overwrite all motions and forces of ``point`` by those of its copy ``kept``.
 
     Moving back by increments would leave round-off in the relative motions of sticking contacts.
     """
-    point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept
+    (
+        point.groove_contact_slips[:],
+        point.ball_to_ball_slips[:],
+        point.motion_less_nominal[:],
+        point.ball_to_ball_unknowns[:],
+    ) = kept
 
 
 #: Largest Newton step of a velocity, over the carriage's speed: longer steps, which the line search takes back, would cost
@@ -281,8 +301,14 @@ def _step_limit(step: Array) -> float:
 
 
 @kernel
-def semismooth_newton(
-    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int, firmest: float
+def solve_by_semismooth_newton(
+    chain: ChainArrays,
+    point: ChainSearchState,
+    law: EquationSmoothing,
+    work: NewtonArrays,
+    tolerance: float,
+    limit: int,
+    firmest: float,
 ) -> tuple[int, float]:
     """Solve the equations of a row of balls by a semismooth Newton method, with steps halved until the residual falls.
 
@@ -293,7 +319,7 @@ def semismooth_newton(
     point.
     """
     K, factors, g, step, other = work
-    assemble_equations(chain, point, law, K, g)
+    write_chain_equations(chain, point, law, K, g)
     size, damping = sqrt(np.dot(g, g)), 0.0
     for iteration in range(limit):
         if largest_entry(g) <= tolerance:
@@ -305,9 +331,9 @@ def semismooth_newton(
         solve_two_banded_systems(K, factors, step, other)
         t, at, trial = _step_limit(step), 0.0, size
         for _ in range(12):
-            apply_step(chain, point, step, t - at)
+            apply_newton_step(chain, point, step, t - at)
             at = t
-            assemble_equations(chain, point, law, K, g)
+            write_chain_equations(chain, point, law, K, g)
             trial = sqrt(np.dot(g, g))
             if trial < (1.0 - 0.1 * t) * size:
                 break
@@ -319,8 +345,8 @@ def semismooth_newton(
             else:
                 damping = min(firmest, max(SOFTEST, 100.0 * damping))
             continue
-        apply_step(chain, point, step, -at)
-        assemble_equations(chain, point, law, K, g)
+        apply_newton_step(chain, point, step, -at)
+        write_chain_equations(chain, point, law, K, g)
         damping = max(SOFTEST, 100.0 * damping)
         if not damping <= firmest:
             return iteration, largest_entry(g)
@@ -328,8 +354,8 @@ def semismooth_newton(
 
 
 @kernel
-def undamped_newton(
-    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: NewtonArrays, tolerance: float, limit: int
+def solve_by_undamped_newton(
+    chain: ChainArrays, point: ChainSearchState, law: EquationSmoothing, work: NewtonArrays, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Solve the equations of a row of balls by undamped Newton steps.
 
@@ -339,16 +365,16 @@ def undamped_newton(
     moved back there. Returns the number of steps and the largest residual.
     """
     K, factors, g, step, other = work
-    assemble_equations(chain, point, law, K, g)
-    start, kept = largest_entry(g), copy_point(point)
+    write_chain_equations(chain, point, law, K, g)
+    start, kept = largest_entry(g), copy_chain_state(point)
     for iteration in range(limit):
         step[:] = -g
         solve_two_banded_systems(K, factors, step, other)
-        apply_step(chain, point, step, _step_limit(step))
-        assemble_equations(chain, point, law, K, g)
+        apply_newton_step(chain, point, step, _step_limit(step))
+        write_chain_equations(chain, point, law, K, g)
         if largest_entry(g) <= tolerance:
             return iteration + 1, largest_entry(g)
     if not largest_entry(g) < start:
-        restore_point(point, kept)
+        restore_chain_state(point, kept)
         return limit, start
     return limit, largest_entry(g)

@@ -12,19 +12,25 @@ from math import exp, log, sqrt
 
 import numpy as np
 
-from rollbench.lowfi.friction.linear.kernel_types import Array, ChainArrays, ChainPoint, NewtonArrays, Smoothing
+from rollbench.lowfi.friction.linear.kernel_types import (
+    Array,
+    ChainArrays,
+    ChainSearchState,
+    EquationSmoothing,
+    NewtonArrays,
+)
 from rollbench.lowfi.jit import kernel
 
 from .equations import (
-    apply_step,
-    assemble_equations,
-    copy_point,
+    apply_newton_step,
+    copy_chain_state,
     largest_entry,
     reset_open_gaps,
-    restore_point,
-    semismooth_newton,
+    restore_chain_state,
+    solve_by_semismooth_newton,
+    solve_by_undamped_newton,
     solve_two_banded_systems,
-    undamped_newton,
+    write_chain_equations,
     write_contact_slips,
 )
 
@@ -47,7 +53,7 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
 @kernel
-def smoothing_on_path(s: float, eps: float) -> Smoothing:
+def smoothing_on_solution_path(s: float, eps: float) -> EquationSmoothing:
     """Return how much the equations are smoothed at parameter s of the solution path, 0 to 1.
 
     As s increases, the friction between balls rises to its full value, early on the path, and the regularising speed of
@@ -56,22 +62,22 @@ def smoothing_on_path(s: float, eps: float) -> Smoothing:
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
-    return Smoothing(creep, 1.0 - rest * rest, 1e-3 * exp(s * log(1e-11)), 1e-2 * exp(s * log(1e-7)))
+    return EquationSmoothing(creep, 1.0 - rest * rest, 1e-3 * exp(s * log(1e-11)), 1e-2 * exp(s * log(1e-7)))
 
 
 @kernel
-def determinant_sign_without_ball_friction(point: ChainPoint) -> float:
+def determinant_sign_without_ball_friction(point: ChainSearchState) -> float:
     """Return the sign of the Jacobian's determinant for a row of N balls without friction between them.
 
     The problem is then convex, and only the rows of the N - 1 gaps and the unused last row change the sign, each once.
     point: unknowns of the chain, which give N.
     """
-    return 1.0 if point.drift.shape[0] % 2 == 0 else -1.0
+    return 1.0 if point.motion_less_nominal.shape[0] % 2 == 0 else -1.0
 
 
 @kernel
 def _write_path_tangent(
-    chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
+    chain: ChainArrays, point: ChainSearchState, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
 ) -> float:
     """Write the tangent of the solution path at a point to tau; return 1 if the path goes on along it, or -1 if against it.
 
@@ -81,7 +87,7 @@ def _write_path_tangent(
     equations at the point.
     """
     K, factors, g, _, other = work
-    assemble_equations(chain, point, smoothing_on_path(s + DIFFERENCE, eps), factors, other)
+    write_chain_equations(chain, point, smoothing_on_solution_path(s + DIFFERENCE, eps), factors, other)
     n = g.shape[0]
     for i in range(n):
         change[i] = (other[i] - g[i]) / DIFFERENCE
@@ -94,9 +100,9 @@ def _write_path_tangent(
 
 
 @kernel
-def _correct_to_path(
+def _correct_to_solution_path(
     chain: ChainArrays,
-    point: ChainPoint,
+    point: ChainSearchState,
     s: float,
     eps: float,
     work: NewtonArrays,
@@ -116,9 +122,9 @@ def _correct_to_path(
     K, factors, g, step, other = work
     n, moved = g.shape[0], 0.0
     for newton in range(STEPS + 1):
-        law = smoothing_on_path(s, eps)
-        assemble_equations(chain, point, law, K, g)
-        if largest_entry(g) <= max(ON_PATH, 1e-5 * law.eps):
+        law = smoothing_on_solution_path(s, eps)
+        write_chain_equations(chain, point, law, K, g)
+        if largest_entry(g) <= max(ON_PATH, 1e-5 * law.regularising_speed):
             return True, newton, s
         step[:] = -g
         other[:] = -change
@@ -128,7 +134,7 @@ def _correct_to_path(
         moved += sqrt(np.dot(step, step) + ds * ds)
         if newton == STEPS or not moved <= 0.7 * max(length, NEAR):
             break
-        apply_step(chain, point, step, 1.0)
+        apply_newton_step(chain, point, step, 1.0)
         s += ds
     return False, STEPS, s
 
@@ -145,7 +151,9 @@ def _longest_path_step(tau: Array) -> float:
 
 
 @kernel
-def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonArrays, limit: int) -> tuple[int, bool]:
+def follow_solution_path(
+    chain: ChainArrays, point: ChainSearchState, eps: float, work: NewtonArrays, limit: int
+) -> tuple[int, bool]:
     """Follow the path of solutions from a point near its beginning, while friction between balls rises to its full value.
 
     Returns the number of Newton steps, and whether the end of the path was reached. The sign of the Jacobian's
@@ -153,21 +161,25 @@ def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonA
     regularising speed of friction at the end of the path, divided by the carriage's speed; limit: number of Newton
     steps after which no further step along the path is taken.
     """
-    n: int = work.g.shape[0]
+    n: int = work.residual.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
-    total, left = semismooth_newton(chain, point, smoothing_on_path(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
+    total, left = solve_by_semismooth_newton(
+        chain, point, smoothing_on_solution_path(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0
+    )
     if not left <= ON_PATH:
         return total, False
     _write_path_tangent(chain, point, 0.0, eps, work, change, tau)
-    kept = copy_point(point)
+    kept = copy_chain_state(point)
     s, length = 0.0, LENGTH
     while total < limit and length > SHORTEST:
         length = min(length, _longest_path_step(tau))
         last = s + length * tau[n] >= 1.0
         if last:
             length = (1.0 - s) / tau[n]
-        apply_step(chain, point, tau, length)
-        good, used, found = _correct_to_path(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
+        apply_newton_step(chain, point, tau, length)
+        good, used, found = _correct_to_solution_path(
+            chain, point, s + length * tau[n], eps, work, change, tau, length, last
+        )
         total += used
         if good and last:
             return total, True
@@ -178,11 +190,11 @@ def follow_path(chain: ChainArrays, point: ChainPoint, eps: float, work: NewtonA
         else:
             good = False
         if good:
-            restore_point(kept, point)
+            restore_chain_state(kept, point)
             tau[:], s = ahead, found
             length *= 2.0 if used < 3 else (1.3 if used == 3 else 0.8)
         else:
-            restore_point(point, kept)
+            restore_chain_state(point, kept)
             length *= 0.4
     return total, False
 
@@ -217,7 +229,7 @@ STARTS, PRESSED = 3, 3.0
 
 
 @kernel
-def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: NewtonArrays) -> int:
+def _solve_without_ball_friction(chain: ChainArrays, point: ChainSearchState, work: NewtonArrays) -> int:
     """Solve for the motion of a row of balls without friction between them; return the number of Newton steps.
 
     The regularising speed of friction is ``FIRST``. The search begins from the ``drift`` of ``point``, which is
@@ -226,8 +238,8 @@ def _solve_without_ball_friction(chain: ChainArrays, point: ChainPoint, work: Ne
     write_contact_slips(chain, point)
     total = 0
     for smooth in (ROUND, 0.0):
-        law = Smoothing(FIRST, 0.0, smooth, SPRING * FIRST)
-        used, _ = semismooth_newton(chain, point, law, work, 1e-10, int(np.int64(200)), FIRMEST)
+        law = EquationSmoothing(FIRST, 0.0, smooth, SPRING * FIRST)
+        used, _ = solve_by_semismooth_newton(chain, point, law, work, 1e-10, int(np.int64(200)), FIRMEST)
         total += used
     return total
 
@@ -239,8 +251,8 @@ def _all_balls_supported(contacts: Array) -> bool:
 
 
 @kernel
-def _reduce_creeping_speed(
-    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps_end: float, share: float, limit: int
+def _solve_at_falling_regularising_speed(
+    chain: ChainArrays, point: ChainSearchState, work: NewtonArrays, eps_end: float, share: float, limit: int
 ) -> tuple[int, bool]:
     """Solve for the motion of a row of balls while the regularising speed of friction falls from ``FIRST`` to ``eps_end``.
 
@@ -251,7 +263,9 @@ def _reduce_creeping_speed(
     total, eps = 0, FIRST
     while True:
         reset_open_gaps(point, eps)
-        used, left = semismooth_newton(chain, point, Smoothing(eps, share, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
+        used, left = solve_by_semismooth_newton(
+            chain, point, EquationSmoothing(eps, share, 0.0, SPRING * eps), work, COARSE, limit, 0.0
+        )
         total += used
         if not left <= COARSE:
             return total, False
@@ -259,13 +273,13 @@ def _reduce_creeping_speed(
             break
         eps = max(eps_end, 0.1 * eps)
     return total, solve_two_banded_systems(
-        work.K, work.factors, work.step, work.other
+        work.jacobian_band, work.factors, work.step, work.second_right_hand_side
     ) == determinant_sign_without_ball_friction(point)
 
 
 @kernel
-def chain_motion(
-    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int
+def solve_motion_of_ball_row(
+    chain: ChainArrays, point: ChainSearchState, work: NewtonArrays, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Solve for the motion of a row of balls in a linear bearing and the forces between them.
 
@@ -273,24 +287,24 @@ def chain_motion(
     regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of Newton
     steps on the path. The first step has no friction between balls, so that only a convex problem decides where the
     solution starts from. If friction between balls may cause several solutions, or if Newton's method does not converge
-    from there while the regularising speed falls, the path is followed by `follow_path`, unless all balls separate
+    from there while the regularising speed falls, the path is followed by `follow_solution_path`, unless all balls separate
     without that friction. Returns the number of Newton steps and the largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
-    first = copy_point(point)
-    share = chain.mu * sqrt(point.z.shape[0])
+    first = copy_chain_state(point)
+    share = chain.mu * sqrt(point.ball_to_ball_unknowns.shape[0])
     good = chain.mu == 0.0 or (share <= LARGE and _all_balls_supported(chain.contacts))
     if good:
-        used, good = _reduce_creeping_speed(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
+        used, good = _solve_at_falling_regularising_speed(chain, point, work, eps, 1.0, FEW if share > SLIGHT else MANY)
         total += used
     if not good:
-        restore_point(point, first)
-        used, good = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
+        restore_chain_state(point, first)
+        used, good = _solve_at_falling_regularising_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
         total += used
-        good = good and not np.any(point.z > 0.0)
+        good = good and not np.any(point.ball_to_ball_unknowns > 0.0)
     if not good:
-        restore_point(point, first)
-        used, _ = follow_path(chain, point, eps, work, limit)
+        restore_chain_state(point, first)
+        used, _ = follow_solution_path(chain, point, eps, work, limit)
         total += used
         reset_open_gaps(point, eps)
     used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -298,10 +312,10 @@ def chain_motion(
 
 
 @kernel
-def motion_from_other_start(
-    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float, limit: int, start: int
+def solve_motion_from_other_start(
+    chain: ChainArrays, point: ChainSearchState, work: NewtonArrays, eps: float, tolerance: float, limit: int, start: int
 ) -> tuple[int, float]:
-    """Solve for motions and forces of a row of balls as `chain_motion`, from one of ``STARTS`` other starts.
+    """Solve for motions and forces of a row of balls as `solve_motion_of_ball_row`, from one of ``STARTS`` other starts.
 
     eps: regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of
     Newton steps on the path; start: 0 for the end of the path, 1 for the balls as they move without friction between
@@ -309,12 +323,12 @@ def motion_from_other_start(
     """
     total = _solve_without_ball_friction(chain, point, work)
     if start == 0:
-        used, _ = follow_path(chain, point, eps, work, limit)
+        used, _ = follow_solution_path(chain, point, eps, work, limit)
     elif start == 1:
-        used, _ = _reduce_creeping_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
+        used, _ = _solve_at_falling_regularising_speed(chain, point, work, eps, 0.0, int(np.int64(MANY)))
     else:
-        point.z[:] = PRESSED * chain.closed
-        used, _ = _reduce_creeping_speed(chain, point, work, eps, 1.0, int(np.int64(MANY)))
+        point.ball_to_ball_unknowns[:] = PRESSED * chain.can_touch_next
+        used, _ = _solve_at_falling_regularising_speed(chain, point, work, eps, 1.0, int(np.int64(MANY)))
     total += used
     reset_open_gaps(point, eps)
     used, residual = _solve_exact_equations(chain, point, work, eps, tolerance)
@@ -323,7 +337,7 @@ def motion_from_other_start(
 
 @kernel
 def motion_from_state(
-    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
+    chain: ChainArrays, point: ChainSearchState, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
     """Solve for motions and forces of a row of balls by Newton's method, starting from the state of a similar row.
 
@@ -336,16 +350,16 @@ def motion_from_state(
 
 @kernel
 def _solve_exact_equations(
-    chain: ChainArrays, point: ChainPoint, work: NewtonArrays, eps: float, tolerance: float
+    chain: ChainArrays, point: ChainSearchState, work: NewtonArrays, eps: float, tolerance: float
 ) -> tuple[int, float]:
     """Solve the equations of a row of balls with all friction between balls and exact contact conditions, from ``point``.
 
     eps: regularising speed of friction; tolerance: largest residual at which the search ends. Returns the number of
     Newton steps and the largest residual.
     """
-    exact = Smoothing(eps, 1.0, 0.0, 0.0)
-    total, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
+    exact = EquationSmoothing(eps, 1.0, 0.0, 0.0)
+    total, residual = solve_by_semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     if residual > tolerance:
-        used, residual = undamped_newton(chain, point, exact, work, tolerance, LEAPS)
+        used, residual = solve_by_undamped_newton(chain, point, exact, work, tolerance, LEAPS)
         total += used
     return total, residual

@@ -1,26 +1,26 @@
 """Kernels of ball screws with friction in a subset of Python that numba compiles; see ``lowfi.jit``."""
 
 from .balance import (
-    balance_jacobian,
-    balance_residual,
     contact_friction,
     largest_residual,
     move_without_neighbours,
     neighbour_forces,
     semi_axes,
-    solve_balance,
+    solve_force_balance_of_balls,
+    write_force_balance_jacobian,
+    write_force_balance_residual,
 )
-from .joint import assemble_joint, newton_joint
+from .joint import solve_loads_and_motion_by_newton, write_loads_and_motion_equations
 
 __all__ = [
-    "assemble_joint",
-    "balance_jacobian",
-    "balance_residual",
     "contact_friction",
     "largest_residual",
     "move_without_neighbours",
     "neighbour_forces",
-    "newton_joint",
     "semi_axes",
-    "solve_balance",
+    "solve_force_balance_of_balls",
+    "solve_loads_and_motion_by_newton",
+    "write_force_balance_jacobian",
+    "write_force_balance_residual",
+    "write_loads_and_motion_equations",
 ]

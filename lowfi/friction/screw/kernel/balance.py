@@ -11,11 +11,11 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
-from rollbench.lowfi.friction.screw.kernel_types import BalanceParts, BallArrays, GrooveArrays
-from rollbench.lowfi.jit import CONTACT, is_compiled, kernel, load_kernel_package
+from rollbench.lowfi.friction.screw.kernel_types import BalanceResiduals, BallArrays, GrooveArrays
+from rollbench.lowfi.jit import CONTACT, is_compiled_module, kernel, load_kernel_package
 
 _OTHER = load_kernel_package(
-    CONTACT, compiled=is_compiled(__name__)
+    CONTACT, compiled=is_compiled_module(__name__)
 )  # the kernels of one contact, compiled where these are
 
 dissipation, least_dissipation = _OTHER.dissipation, _OTHER.least_dissipation
@@ -47,7 +47,7 @@ def write_contact_map(groove: GrooveArrays, n_x: float, n_z: float, out: Array) 
     divided by the nut's speed along the path. groove: geometry of the grooves; n_x, n_z: contact normal along x3
     (radial) and z3 (binormal).
     """
-    affine = groove.affine
+    affine = groove.contact_map_coefficients
     for r in range(3):
         for j in range(4):
             out[r, j] = affine[0, r, j] + n_x * affine[1, r, j] + n_z * affine[2, r, j]
@@ -60,7 +60,7 @@ def relative_contact_motion(groove: GrooveArrays, i: int, rows: Array, x: Array)
     groove: geometry of the grooves; i: number of the contact; rows (3, 4): map of the contact (`write_contact_map`); x
     (4,): motion of the ball, surface speeds divided by the nut's speed along the path.
     """
-    orbit = x[0] - groove.ride[i]
+    orbit = x[0] - groove.body_rotation[i]
     return (
         rows[0, 0] * orbit + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
         rows[1, 0] * orbit + rows[1, 1] * x[1] + rows[1, 2] * x[2] + rows[1, 3] * x[3],
@@ -77,7 +77,7 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
     in the contacts' axes, divided by the same speed; pull (N, 4, 3), friction on the balls along and about the same
     axes, in the unit of force of ``balls``; loss (N, 4), force times motion in these units.
     """
-    shape, maps, drives = balls.shape, balls.maps, balls.drives
+    shape, maps, drives = balls.semi_axes_and_bound, balls.contact_motion_maps, balls.imposed_contact_motions
     for k in range(x.shape[0]):
         for i in range(4):
             strength = shape[k, i, 2]
@@ -102,7 +102,7 @@ def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: f
     groove: geometry of the contact of two balls; this, other (4,): motions of the ball and of the next one; eps:
     regularising speed.
     """
-    first, second = groove.first, groove.second
+    first, second = groove.first_ball_surface_speeds, groove.second_ball_surface_speeds
     u, v = 0.0, 0.0
     for j in range(4):
         u += first[0, j] * this[j] - second[0, j] * other[j]
@@ -127,7 +127,7 @@ def neighbour_forces(
     on_ball is in x3 (radial), y3 (along the track), z3 (binormal) and includes friction; loss[k] is that between balls
     k and k + 1. x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along
     the path; f (N,): force of ball k on ball k + 1 [N]; eps: regularising speed of friction divided by the nut's speed;
-    push (2, 3), slide (2, 2, 3): directions of the force and of the two tangents as in `PairGeometry`.
+    push (2, 3), slide (2, 2, 3): directions of the force and of the two tangents as in `TouchingBallsGeometry`.
     """
     n = f.shape[0]
     on_ball[:] = 0.0
@@ -150,8 +150,18 @@ def move_without_neighbours(balls: BallArrays, x: Array) -> None:
     """
     forces, rest, bounds, none, start = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), int(np.int64(ROLLING))
     for k in range(x.shape[0]):
-        if np.sum(balls.shape[k, :, 2]) > 0.0:
-            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, start, x[k], forces, rest, bounds)
+        if np.sum(balls.semi_axes_and_bound[k, :, 2]) > 0.0:
+            least_dissipation(
+                balls.semi_axes_and_bound[k],
+                balls.contact_motion_maps[k],
+                balls.imposed_contact_motions[k],
+                none,
+                start,
+                x[k],
+                forces,
+                rest,
+                bounds,
+            )
 
 
 #: Half bandwidth of the matrix, which has a block of five rows for each ball: its motion (4) and its force on the next
@@ -164,27 +174,39 @@ REACH = 0.3
 
 
 @kernel
-def remaining_slack(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
+def remaining_closing_rate(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
     """Return by how much the gap after ball k closes more slowly than it may, divided by the nut's speed along the path.
 
     It is the largest rate at which the gap may close (``balls.slack``), less the actual rate at the motions x (N, 4),
     which are surface speeds divided by the nut's speed along the path.
     """
     ahead = (k + 1) % x.shape[0]
-    return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
+    return float(groove.closing_rate_factor * (x[ahead, 0] - x[k, 0]) + balls.allowed_closing_rate[k])
 
 
 @kernel
-def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
+def write_force_balance_residual(
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceResiduals
+) -> float:
     """Write force balance and complementarity of all balls to ``parts``; return the root of the residuals' square sum.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
     (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
-    divided by the nut's speed. Force f and remaining closing rate g of a gap (`remaining_slack`) are complementary
+    divided by the nut's speed. Force f and remaining closing rate g of a gap (`remaining_closing_rate`) are complementary
     where Fischer-Burmeister's function f + g - sqrt(f^2 + g^2) is zero. Derivatives are written to ``parts``, too.
     """
-    hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
-    nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
+    hold, shape, maps, drives = (
+        balls.holding_stiffness,
+        balls.semi_axes_and_bound,
+        balls.contact_motion_maps,
+        balls.imposed_contact_motions,
+    )
+    nominal, first, second, closing = (
+        groove.nominal,
+        groove.first_ball_surface_speeds,
+        groove.second_ball_surface_speeds,
+        groove.closing_rate_factor,
+    )
     balance, comp, slopes, hessian = parts
     n = f.shape[0]
     none = np.zeros(4)
@@ -206,21 +228,21 @@ def balance_residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array
         balance[k, 0] += closing * f[k]
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
-        if balls.allowed[k] > 0.0:
-            left = remaining_slack(groove, balls, x, k)
+        if balls.can_touch_next[k] > 0.0:
+            left = remaining_closing_rate(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
     return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
 
 
 @kernel
-def largest_residual(parts: BalanceParts) -> float:
+def largest_residual(parts: BalanceResiduals) -> float:
     """Return the largest absolute value of all unbalanced forces and complementarity functions in ``parts``."""
-    return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
+    return float(max(np.max(np.abs(parts.unbalanced_forces)), np.max(np.abs(parts.complementarity))))
 
 
 @kernel
-def write_pair_derivatives(
+def write_ball_to_ball_derivatives(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
 ) -> None:
     """Write the derivatives of the forces between ball k and the next ball to ``out``, four blocks (4, 5, 5).
@@ -231,7 +253,7 @@ def write_pair_derivatives(
     + 1, divided by the unit of force of ``balls``; slopes (N, 2): derivatives of the complementarity function by force
     and by closing rate; eps: regularising speed of friction divided by the nut's speed.
     """
-    first, second, closing = groove.first, groove.second, groove.closing
+    first, second, closing = groove.first_ball_surface_speeds, groove.second_ball_surface_speeds, groove.closing_rate_factor
     u, v, size = ball_on_ball_sliding(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
     bite = balls.mu[k] * max(f[k], 0.0) / size
@@ -256,15 +278,15 @@ def write_pair_derivatives(
 
 
 @kernel
-def balance_jacobian(
-    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
+def write_force_balance_jacobian(
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceResiduals, eps: float, start: int, K: Array
 ) -> None:
     """Write the banded Jacobian of the force balance of N balls to K (5 N, 3 HALF + 1), in the form of `solve_with_pivots`.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
     (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
-    divided by the nut's speed; parts: derivatives that `balance_residual` has written at x and f; start: ball whose
-    rows come first. The closed track is cut open before it: the coupling of the last ball with this one is left out.
+    divided by the nut's speed; parts: derivatives that `write_force_balance_residual` has written at x and f; start: ball
+    whose rows come first. The closed track is cut open before it: the coupling of the last ball with this one is left out.
     """
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
@@ -272,8 +294,8 @@ def balance_jacobian(
         row = 5 * ((k - start) % n)
         for i in range(4):
             for j in range(4):
-                K[row + i, HALF + j - i] += parts.hessian[k, i, j]
-        write_pair_derivatives(groove, balls, x, f, parts.slopes, eps, k, out)
+                K[row + i, HALF + j - i] += parts.dissipation_hessian[k, i, j]
+        write_ball_to_ball_derivatives(groove, balls, x, f, parts.complementarity_slopes, eps, k, out)
         last = row == 5 * (n - 1)
         other = 0 if last else row + 5
         for i in range(5):
@@ -295,7 +317,7 @@ def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Ar
     """
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = remaining_slack(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
+        left = remaining_closing_rate(groove, balls, x, k) - f[k] if balls.can_touch_next[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start
@@ -303,21 +325,21 @@ def ball_after_open_gap(groove: GrooveArrays, balls: BallArrays, x: Array, f: Ar
 
 @kernel
 def write_balance_newton_step(
-    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceResiduals, eps: float, dx: Array, df: Array
 ) -> None:
     """Write Newton's step of the ball motions to dx (N, 4) and of the ball-to-ball forces to df (N,).
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
     (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
-    divided by the nut's speed; parts: residuals and derivatives that `balance_residual` has written at x and f.
+    divided by the nut's speed; parts: residuals and derivatives that `write_force_balance_residual` has written at x and f.
     """
     n, start = f.shape[0], ball_after_open_gap(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
-    balance_jacobian(groove, balls, x, f, parts, eps, start, K)
+    write_force_balance_jacobian(groove, balls, x, f, parts, eps, start, K)
     for k in range(n):
         row = 5 * ((k - start) % n)
         for j in range(4):
-            side[row + j, 0] = -parts.balance[k, j]
+            side[row + j, 0] = -parts.unbalanced_forces[k, j]
         side[row + 4, 0] = -parts.complementarity[k]
     solve_with_pivots(K, side, HALF)
     for k in range(n):
@@ -328,7 +350,7 @@ def write_balance_newton_step(
 
 
 @kernel
-def solve_balance(
+def solve_force_balance_of_balls(
     groove: GrooveArrays,
     balls: BallArrays,
     x: Array,
@@ -337,7 +359,7 @@ def solve_balance(
     goal: float,
     near: float,
     limit: int,
-    parts: BalanceParts,
+    parts: BalanceResiduals,
 ) -> tuple[float, int]:
     """Solve the force balance of N balls by Newton's method at one regularising speed; return residual and number of steps.
 
@@ -349,15 +371,15 @@ def solve_balance(
     below ``near``, where round-off may be the reason, few halvings are tried.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
-    size = balance_residual(groove, balls, x, f, eps, parts)
-    trial = BalanceParts(np.empty((n, 4)), np.empty(n), np.empty((n, 2)), np.empty((n, 4, 4)))
+    size = write_force_balance_residual(groove, balls, x, f, eps, parts)
+    trial = BalanceResiduals(np.empty((n, 4)), np.empty(n), np.empty((n, 2)), np.empty((n, 4, 4)))
     for count in range(limit):
         if size <= goal:
             return size, count
         write_balance_newton_step(groove, balls, x, f, parts, eps, dx, df)
         length, new, better = min(1.0, REACH / max(np.max(np.abs(dx)), 1e-300)), size, False
         for _ in range(3 if size <= near else 25):
-            new = balance_residual(groove, balls, x + length * dx, f + length * df, eps, trial)
+            new = write_force_balance_residual(groove, balls, x + length * dx, f + length * df, eps, trial)
             if new < (1.0 - 0.1 * length) * size:
                 better = True
                 break
@@ -367,6 +389,9 @@ def solve_balance(
         x += length * dx
         f += length * df
         size = new
-        parts.balance[:], parts.complementarity[:] = trial.balance, trial.complementarity
-        parts.slopes[:], parts.hessian[:] = trial.slopes, trial.hessian
+        parts.unbalanced_forces[:], parts.complementarity[:] = trial.unbalanced_forces, trial.complementarity
+        parts.complementarity_slopes[:], parts.dissipation_hessian[:] = (
+            trial.complementarity_slopes,
+            trial.dissipation_hessian,
+        )
     return size, limit

@@ -14,7 +14,12 @@ from math import sqrt
 import numpy as np
 
 from rollbench.lowfi.friction.contact.kernel_types import Array
-from rollbench.lowfi.friction.screw.kernel_types import GrooveArrays, JointMatrix, JointSystem, JointUnknowns
+from rollbench.lowfi.friction.screw.kernel_types import (
+    GrooveArrays,
+    LoadsAndMotionMatrix,
+    LoadsAndMotionSystem,
+    LoadsAndMotionUnknowns,
+)
 from rollbench.lowfi.jit import kernel
 
 from .balance import (
@@ -24,10 +29,10 @@ from .balance import (
     dissipation,
     hertz_contact,
     relative_contact_motion,
-    remaining_slack,
+    remaining_closing_rate,
     solve_with_pivots,
+    write_ball_to_ball_derivatives,
     write_contact_map,
-    write_pair_derivatives,
 )
 
 #: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
@@ -86,7 +91,7 @@ def _write_force_effects(
 
 @kernel
 def write_ball_equations(
-    system: JointSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
+    system: LoadsAndMotionSystem, k: int, p: Array, shift: Array, x: Array, share: float, eps: float, out: Array, by: Array
 ) -> None:
     """Write what ball k adds to the equations of loads and motion to out (9,) [N], and its derivatives to by (9, 8).
 
@@ -97,8 +102,8 @@ def write_ball_equations(
     speed; share: fraction of the friction that acts on the loads; eps: regularising speed divided by the nut's speed.
     """
     cell, groove, balls = system.cell, system.groove, system.balls
-    start, interference, C, affine = cell.start, cell.interference, cell.C, groove.affine
-    speed, mu = groove.speed, balls.strength * system.unit
+    start, interference, C, affine = cell.groove_to_ball_vectors, cell.interference, cell.C, groove.contact_map_coefficients
+    speed, mu = groove.speed, balls.scaled_groove_mu * system.force_unit
     rows, g, h, turned = np.empty((3, 4)), np.zeros(3), np.zeros((4, 3)), np.empty((2, OWN_ROWS))
     load, pull, d_load, d_pull = np.empty(OWN_ROWS), np.empty((OWN_ROWS, 3)), np.empty(OWN_ROWS), np.empty((OWN_ROWS, 3))
     out[:] = 0.0
@@ -119,7 +124,7 @@ def write_ball_equations(
         by[:, 2:6] += mu * f * (pull @ (h[:3] @ rows))  # columns 2 to 5: by the ball's motion
         for c in range(2):  # derivatives by n_x and by n_z, taken as independent
             _write_force_effects(1.0 - c, float(c), affine[1 + c], speed, share, 0.0, on, d_load, d_pull)
-            seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
+            seen_more = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.body_rotation[i]
             turned[c] = f * d_load + mu * f * (d_pull @ g + pull @ (h[:3] @ seen_more))
         # by the position: dF/d(approach) along the normal, and the turn of the normal across it
         by_force = (1.5 * sqrt(d) / C[i]) * (load + mu * (pull @ h[3]))
@@ -142,7 +147,13 @@ LONGEST_STEP = 0.1
 
 @kernel
 def _add_ball_to_ball_contact(
-    system: JointSystem, at: JointUnknowns, k: int, share: float, eps: float, start: int, matrix: JointMatrix
+    system: LoadsAndMotionSystem,
+    at: LoadsAndMotionUnknowns,
+    k: int,
+    share: float,
+    eps: float,
+    start: int,
+    matrix: LoadsAndMotionMatrix,
 ) -> None:
     """Add force and friction between ball k and the next ball, with derivatives, to the equations in ``matrix``.
 
@@ -151,9 +162,9 @@ def _add_ball_to_ball_contact(
     closed track is cut open.
     """
     groove, balls = system.groove, system.balls
-    first, second, closing = groove.first, groove.second, groove.closing
+    first, second, closing = groove.first_ball_surface_speeds, groove.second_ball_surface_speeds, groove.closing_rate_factor
     x, f = at.motion, at.ball_force
-    side, K = matrix.side, matrix.band
+    side, K = matrix.ball_residual, matrix.ball_band
     n, ahead = f.shape[0], (k + 1) % f.shape[0]
     row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
     last = row == SIZE * (n - 1)
@@ -170,12 +181,12 @@ def _add_ball_to_ball_contact(
     slopes, blocks = np.zeros((n, 2)), np.empty((4, 5, 5))
     # row 6: complementarity of force and gap, Fischer-Burmeister
     side[row + 6], slopes[k, 0] = f[k], 1.0
-    if balls.allowed[k] > 0.0:
-        left = remaining_slack(groove, balls, x, k)
+    if balls.can_touch_next[k] > 0.0:
+        left = remaining_closing_rate(groove, balls, x, k)
         root = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - root
         slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / root, 1.0 - left / root
-    write_pair_derivatives(groove, balls, x, f, slopes, eps, k, blocks)
+    write_ball_to_ball_derivatives(groove, balls, x, f, slopes, eps, k, blocks)
     # blocks: ball k with itself, the next ball with itself, k with next, next with k
     for i in range(5):
         for j in range(5):
@@ -190,7 +201,7 @@ def _add_ball_to_ball_contact(
 
 @kernel
 def _add_ball_to_ball_force(
-    system: JointSystem,
+    system: LoadsAndMotionSystem,
     which: int,
     row: int,
     other: int,
@@ -198,7 +209,7 @@ def _add_ball_to_ball_force(
     f: float,
     mu: float,
     share: float,
-    matrix: JointMatrix,
+    matrix: LoadsAndMotionMatrix,
 ) -> None:
     """Add the force between two balls to the force balance of one of them in the plane of its groove section.
 
@@ -207,8 +218,13 @@ def _add_ball_to_ball_force(
     this sliding; f: force between them; mu: coefficient of friction; share: fraction of this force and its friction
     that acts on the loads.
     """
-    first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
-    side, K = matrix.side, matrix.band
+    first, second, push, slide = (
+        system.groove.first_ball_surface_speeds,
+        system.groove.second_ball_surface_speeds,
+        system.ball_force_directions,
+        system.tangent_directions,
+    )
+    side, K = matrix.ball_residual, matrix.ball_band
     u, v, size = rub
     bite, sliding, joined = mu * max(f, 0.0), mu if f > 0.0 else 0.0, other > row
     for c in range(2):
@@ -229,8 +245,13 @@ def _add_ball_to_ball_force(
 
 
 @kernel
-def assemble_joint(
-    system: JointSystem, at: JointUnknowns, share: float, eps: float, start: int, matrix: JointMatrix
+def write_loads_and_motion_equations(
+    system: LoadsAndMotionSystem,
+    at: LoadsAndMotionUnknowns,
+    share: float,
+    eps: float,
+    start: int,
+    matrix: LoadsAndMotionMatrix,
 ) -> float:
     """Write residual and Jacobian of the equations for contact loads and motion to ``matrix``; return the residual's norm.
 
@@ -238,11 +259,17 @@ def assemble_joint(
     friction that acts on the loads; eps: regularising speed divided by the nut's speed; start: ball whose rows come
     first, before which a closed track is cut open. The external forces on the screw are those in ``system.cell``.
     """
-    cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
-    hold, nominal = system.balls.hold, system.groove.nominal
+    cell, unit, length, rows = system.cell, system.force_unit, system.position_unit, system.screw_displacement_maps
+    hold, nominal = system.balls.holding_stiffness, system.groove.nominal
     p, u, x, f = at
     side, side_u, K, columns, lines, corner = matrix
-    n, m, section, offset, pull = f.shape[0], u.shape[0], cell.section, cell.offset, cell.pull
+    n, m, section, offset, pull = (
+        f.shape[0],
+        u.shape[0],
+        cell.inner_displacement_maps,
+        cell.given_inner_displacement,
+        cell.inner_body_forces,
+    )
     out, by, shift = np.empty(OWN_ROWS), np.empty((OWN_ROWS, OWN_COLUMNS)), np.empty(2)
     side[:], K[:], columns[:], lines[:], corner[:] = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(m):
@@ -280,11 +307,13 @@ def assemble_joint(
 
 
 @kernel
-def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: JointUnknowns) -> None:
+def write_loads_and_motion_newton_step(
+    matrix: LoadsAndMotionMatrix, start: int, length: float, d: LoadsAndMotionUnknowns
+) -> None:
     """Write Newton's step of all unknowns of contact loads and motion to d, with positions in m.
 
-    matrix: residual and Jacobian from `assemble_joint`, which are overwritten by the factors; start: ball whose rows
-    come first; length: unit of positions [m]. Positions that no contact resists do not move.
+    matrix: residual and Jacobian from `write_loads_and_motion_equations`, which are overwritten by the factors; start: ball
+    whose rows come first; length: unit of positions [m]. Positions that no contact resists do not move.
     """
     side, side_u, K, columns, lines, corner = matrix
     n, m = d.ball_force.shape[0], side_u.shape[0]
@@ -318,8 +347,8 @@ def write_joint_newton_step(matrix: JointMatrix, start: int, length: float, d: J
 
 
 @kernel
-def newton_joint(
-    system: JointSystem, at: JointUnknowns, share: float, eps: float, goal: float, limit: int
+def solve_loads_and_motion_by_newton(
+    system: LoadsAndMotionSystem, at: LoadsAndMotionUnknowns, share: float, eps: float, goal: float, limit: int
 ) -> tuple[float, int]:
     """Solve contact loads and motion of the balls as one system by Newton's method; return residual and number of steps.
 
@@ -329,8 +358,8 @@ def newton_joint(
     at most ``goal``, after ``limit`` steps, or when no step lets the residual fall.
     """
     p, u, x, f = at
-    n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
-    matrix = JointMatrix(
+    n, m, length, reach = f.shape[0], u.shape[0], system.position_unit, system.cell.groove_ball_centre_distance
+    matrix = LoadsAndMotionMatrix(
         np.empty(SIZE * n),
         np.empty(m),
         np.empty((SIZE * n, 3 * HALF + 1)),
@@ -338,22 +367,22 @@ def newton_joint(
         np.empty((m, SIZE * n)),
         np.empty((m, m)),
     )
-    d = JointUnknowns(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
+    d = LoadsAndMotionUnknowns(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
     start = ball_after_open_gap(system.groove, system.balls, x, f)
-    size = assemble_joint(system, at, share, eps, start, matrix)
+    size = write_loads_and_motion_equations(system, at, share, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
-        write_joint_newton_step(matrix, start, length, d)
+        write_loads_and_motion_newton_step(matrix, start, length, d)
         moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
         part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
-            trial = JointUnknowns(
+            trial = LoadsAndMotionUnknowns(
                 p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force
             )
             start = ball_after_open_gap(system.groove, system.balls, trial.motion, trial.ball_force)
-            new = assemble_joint(system, trial, share, eps, start, matrix)
+            new = write_loads_and_motion_equations(system, trial, share, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:
                 better = True
                 break

@@ -9,17 +9,17 @@ from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.external import evidence
 from rollbench.compare.evidence import evidence_of_all_tables, uncompared_number_rows
-from rollbench.compare.gate.gate import check_external_bands, check_of_band
+from rollbench.compare.gate.gate import check_external_tolerance_bands, gate_check_of_tolerance_band
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.schema import FrictionKeys
 from rollbench.compare.studies.friction.whole import friction_coefficients
 from rollbench.lowfi.bearings.angular_contact import (
     BallBearing,
-    BallRow,
+    BallBearingRow,
     bearing_of_contact_angle,
     displacement_under_thrust,
 )
-from rollbench.lowfi.bearings.axis import equal_rows_with_preload, lift_off_force, solve_set_equilibrium
+from rollbench.lowfi.bearings.axis import equal_rows_with_preload, lift_off_force, solve_bearing_row_equilibrium
 from rollbench.lowfi.rating.life import dynamic_rating
 from rollbench.meshes.parts import Friction
 
@@ -44,14 +44,16 @@ def test_every_case_is_run_or_left_out_with_its_reason() -> None:
 def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
     names = [name for name in catalogue.scene_names() if name.startswith(evidence.PREFIX)]
     assert [bool(catalogue.shipped_scene(name).assumed) for name in names] == 13 * [True]
-    assert set(evidence.assumptions_by_case()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
+    assert set(evidence.assumptions_by_external_case()) == {"vm63", "contact", "wheel", "snfa", "thk", "gmn"}
 
 
 def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
-    rows = check_external_bands(STUDY)
+    rows = check_external_tolerance_bands(STUDY)
     assert [row.passed for row in rows] == 79 * [True]
     tilt = found("external-masta:tilt")
-    beyond, within = (check_of_band(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999))
+    beyond, within = (
+        gate_check_of_tolerance_band(replace(tilt, value=share * tilt.printed.high)) for share in (1.001, 0.999)
+    )
     assert (beyond.verdict, beyond.limit_percent, within.verdict) == ("FAIL", pytest.approx(2.0), "ok")
 
 
@@ -83,20 +85,20 @@ def test_gmn_series_by_one_inferred_number() -> None:
 def test_snfa_catalogue_has_frozen_its_angles() -> None:
     """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
     rigid = bearing_of_contact_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
-    light, heavy = (equal_rows_with_preload(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
-    assert solve_set_equilibrium(heavy).stiffness / solve_set_equilibrium(light).stiffness == pytest.approx(
+    light, heavy = (equal_rows_with_preload(BallBearingRow(rigid), (1, -1), p) for p in (10.0, 60.0))
+    assert solve_bearing_row_equilibrium(heavy).stiffness / solve_bearing_row_equilibrium(light).stiffness == pytest.approx(
         6.0 ** (1 / 3), rel=1e-3
     )
     assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
-    assert solve_set_equilibrium(heavy).stiffness == pytest.approx(
+    assert solve_bearing_row_equilibrium(heavy).stiffness == pytest.approx(
         evidence.pair_rigidity_at_constant_angle(rigid, 60.0), rel=1e-3
     )
 
 
 @pytest.mark.parametrize("size", [*evidence.THK, *evidence.HIWIN])
 def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
-    scene = STUDY.scene(evidence.scene_name_of_catalogue_size(size))
-    alone, bodies = evidence.rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
+    scene = STUDY.built_in_scene(evidence.scene_name_of_catalogue_size(size))
+    alone, bodies = evidence.nut_rigidities_without_and_with_bodies(scene, scene.loads[0].force[2])
     assert 0.85 * alone < bodies < alone
 
 

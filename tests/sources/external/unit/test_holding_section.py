@@ -9,8 +9,8 @@ import pytest
 from rollbench.compare.cases.external import page as holding
 from rollbench.compare.cases.external.evidence import scene_name_of_catalogue_size
 from rollbench.compare.measure import load_error, mean_load
-from rollbench.compare.models.registry import Options, run_model
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.registry import ModelOptions, run_model
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference import estimate
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
@@ -35,7 +35,7 @@ def test_ways_differ_in_how_the_nut_is_held_alone() -> None:
 def test_a_model_with_a_rigid_nut_sees_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "SIZES", ("bnf-4010-5",))
-    section = holding.fixation_section(Study(), lambda _: None)
+    section = holding.fixation_section(SceneResultCache(), lambda _: None)
     (table,) = (item for item in section.items if isinstance(item, Table))
     assert "largest load by +0.0 to +0.0 %" in section.conclusion
     by_model = [row for row in table.rows if row["by"] == "lin"]
@@ -57,7 +57,7 @@ def fixation_rows(monkeypatch: pytest.MonkeyPatch, stored: list[dict[str, Any]])
     """Rows of a size by the cheap model and by these stored runs."""
     monkeypatch.setattr(holding, "DEFAULT", "lin")
     monkeypatch.setattr(holding, "stored_results", lambda _: stored)
-    return holding.fixation_table_rows(Study(), "bnf-4010-5")
+    return holding.fixation_table_rows(SceneResultCache(), "bnf-4010-5")
 
 
 def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,7 +68,7 @@ def test_rows_and_words_of_3d_are_those_of_the_record(monkeypatch: pytest.Monkey
     assert whole["rigidity"] == pytest.approx(400.0)
     assert (bolts["load_change"], bolts["rigidity_change"]) == (100.0, -50.0)
     moved = "by +150.00 % of the mean load, any load by at most 150.00 % of it (106.07 % RMS), the rigidity by -50.00 %"
-    assert moved in holding.bolts_sentence()
+    assert moved in holding.flange_bolts_sentence()
 
 
 def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
@@ -83,14 +83,14 @@ def finer(rows: list[dict[str, Any]], moved: float) -> list[dict[str, Any]]:
 
 def test_rows_of_3d_have_the_uncertainty_of_their_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     """One level has the bar of experience, two that of their change, either what a face adds; words on the finer one."""
-    monkeypatch.setattr(holding, "error_near_faces", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
+    monkeypatch.setattr(holding, "load_error_near_faces", lambda scene, load, level: 0.4 * (load > 0.0))  # noqa: ARG005 - made up
     stored = [*stored_ways(), *finer(stored_ways(), 0.02)]
     rows = fixation_rows(monkeypatch, stored)
     bars = {(row["by"], row["held"]): row["mesh"] for row in rows if row["mesh"] is not None}
-    known = estimate.read_experience(shipped_store())
+    known = estimate.read_uncertainty_of_other_scenes(shipped_store())
     assert bars["3D, level 1", holding.WHOLE] == pytest.approx(known.single[0] + 1.0)  # 0.4 N of a mean of 40 N
     both = {x["level"]: holding.contact_loads_of_stored_result(x) for x in stored if x["held"] == holding.WHOLE}
-    bar = estimate.mesh_uncertainty(both, known).bars(both).max()
+    bar = estimate.mesh_uncertainty(both, known).uncertainties_of_loads(both).max()
     assert bars["3D, level 2", holding.WHOLE] == pytest.approx(bar + 0.4 / mean_load(both[2]) * 100.0, rel=1e-9)
     assert bars["3D, level 2", holding.WHOLE] > bars["3D, level 2", "left face"]
     words = holding.mesh_uncertainty_sentence(rows)
@@ -135,7 +135,8 @@ def test_refined_is_as_near_to_3d_on_a_flange_as_on_a_face(row: dict[str, Any]) 
     far from a face rested on nothing."""
     scene = holding.scenes_by_nut_fixation(catalogue.shipped_scene(row["scene"]))[row["held"]]
     off = load_error(
-        run_model(scene, "refined", Options(discretisation=False)).load, holding.contact_loads_of_stored_result(row)
+        run_model(scene, "refined", ModelOptions(estimate_beam_mesh_error=False)).load,
+        holding.contact_loads_of_stored_result(row),
     )
     assert off.max_percent < 0.6
     assert off.rms_percent < 0.2

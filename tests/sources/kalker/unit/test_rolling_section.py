@@ -8,11 +8,11 @@ import pytest
 
 from rollbench.compare.cases.kalker import page as rolling
 from rollbench.compare.cases.kalker.evidence import AS_RUNS, BY_GRID, RESOLVED, Verification
-from rollbench.compare.cases.kalker.page import PatchField
-from rollbench.compare.models.study import Study
+from rollbench.compare.cases.kalker.page import SlipAndTractionField
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes import catalogue
-from rollbench.compare.scenes.friction_kinds.common import KindScene
+from rollbench.compare.scenes.friction_kinds.common import FrictionScene
 from rollbench.compare.studies.rolling import rows as rolling_changes
 from rollbench.compare.studies.rolling import rows as rolling_rows
 from rollbench.compare.studies.rolling.rows import (
@@ -29,14 +29,14 @@ from rollbench.compare.studies.rolling.runs import (
     LEVELS,
     NAMES,
     SCENES,
-    BodyVariant,
-    StoredVariants,
-    load_run,
-    run_path,
+    BodyChoiceResult,
+    StoredBodyChoiceResults,
+    load_rolling_run,
+    rolling_run_path,
     scenes_and_sizes_of_body_variants,
 )
 from rollbench.reports.content import PressureMap, Text
-from rollbench.reports.figures import draw_map
+from rollbench.reports.figures import draw_pressure_map
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {"lin-pair-a": 4.0651, "lin-pair-b": 0.0, "lin-screw-pair-a": 0.98316, "lin-screw-pair-b": 1.29143}
@@ -70,14 +70,16 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "runs_from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(
-        rolling, "find_body_variants", lambda _, **__: StoredVariants((BodyVariant("as shipped", values),), "Kept.")
+        rolling,
+        "find_body_variants",
+        lambda _, **__: StoredBodyChoiceResults((BodyChoiceResult("as shipped", values),), "Kept."),
     )
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
-    field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
+    field = SlipAndTractionField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "patch_fields", lambda: (field,))
     beyond = ChoiceEffect("lin-pair-a", "grid", "finer", 0.5, 0.4)
     monkeypatch.setattr(rolling, "force_changes_by_numerical_choices", lambda *_: (beyond, replace(beyond, change=0.3)))
-    section = rolling.make_section(Study(), lambda _: None)
+    section = rolling.make_section(SceneResultCache(), lambda _: None)
     tables = {item.name: item for item in section.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
     forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}
@@ -100,18 +102,20 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     grids = {row["scene"] for row in tables["rolling-grids"].rows if row["level"] == "source's size"}
     assert grids == {name for name in LOW if "pair" in name}
     maps = {item.name: item for item in section.items if isinstance(item, PressureMap)}
-    assert "sticks" in draw_map(maps["rolling-traction"])
+    assert "sticks" in draw_pressure_map(maps["rolling-traction"])
     assert max(maps["rolling-slip"].panels[0].values) == 1.0
 
 
 @pytest.mark.usefixtures("_low")
 def test_gate_fails_where_the_low_order_model_is_off_and_for_a_known_exceedance_that_is_none(monkeypatch):
-    rows = rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0)
+    rows = rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)
     assert ([row.name for row in rows if not row.passed], len(rows)) == ([], len(LOW))
     monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
-    assert sum(not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0)) == 1
+    assert sum(not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)) == 1
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
-    assert any("made up" in row.name and not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(Study(), 7.0))
+    assert any(
+        "made up" in row.name and not row.passed for row in rolling_rows.gate_rows_of_rolling_balls(SceneResultCache(), 7.0)
+    )
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -134,9 +138,9 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
 
 
 def test_texts_of_a_scene_leave_its_stored_runs_valid():
-    scene = catalogue.shipped_scene_of_kind("lin-pair-a", KindScene)
+    scene = catalogue.shipped_scene_of_kind("lin-pair-a", FrictionScene)
     other = replace(scene, name="copy", title="Another title", source="", assumed=("Another assumption.",))
-    assert load_run(other, 1, (shipped_store(),)) == load_run(scene, 1, (shipped_store(),)) is not None
+    assert load_rolling_run(other, 1, (shipped_store(),)) == load_rolling_run(scene, 1, (shipped_store(),)) is not None
 
 
 @pytest.mark.slow
@@ -148,12 +152,12 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monke
     assert all(cells > most for cells, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     series = runs_from_rest.__wrapped__()
-    found = force_changes_by_numerical_choices((shipped_store(),), series, [BodyVariant(**row) for row in kept])
+    found = force_changes_by_numerical_choices((shipped_store(),), series, [BodyChoiceResult(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
         *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
         *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
     ]
-    assert [c for c in found if not c.within] == []
+    assert [c for c in found if not c.is_within_uncertainty] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
     assert force_changes_by_numerical_choices((), series, ()) == ()
@@ -164,5 +168,5 @@ def test_every_shipped_run_has_the_key_of_its_scene():
     assert len(files) > 50
     for file in files:
         run = json.loads(file.read_text(encoding="utf-8"))
-        scene = catalogue.any_scene(run["scene"])
-        assert file == run_path(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name
+        scene = catalogue.scene_of_any_kind(run["scene"])
+        assert file == rolling_run_path(shipped_store(), scene, run["level"], run.get("bodies", HALF_SPACE)), file.name

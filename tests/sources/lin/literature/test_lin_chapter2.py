@@ -20,7 +20,7 @@ def test_table_b1_to_every_printed_digit() -> None:
     rows = [found(key) for key in keys("lin-B1")]
     assert len(rows) == 19
     for f in rows:
-        digits = f.printed.printed
+        digits = f.printed.number_as_printed
         mantissa, _, exponent = digits.lower().partition("e")
         decimals = len(mantissa.partition(".")[2])
         assert f"{f.as_printed / 10.0 ** int(exponent or 0):.{decimals}f}" == mantissa, f.printed.label
@@ -36,7 +36,7 @@ def test_right_values_differ_from_the_printed_ones() -> None:
 def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     """1.34 is inside the spread of the open choices: about 1.30 (coarse partition) to 1.34 (C.8 without its root)."""
     for expected, change in ((1.300, {"partition": "source"}), (1.344, {"section": "groove squared"})):
-        load = STUDY.solve(STUDY.changed("lin-case1", **change)).load[:, 0]
+        load = STUDY.solve_once(STUDY.scene_with_options("lin-case1", **change)).load[:, 0]
         assert largest_over_smallest_load(load) == pytest.approx(expected, abs=2e-3)
 
 

@@ -7,8 +7,8 @@ import pytest
 from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.rotary_linear import force_and_loss_maps, solve_linear_pair
-from rollbench.compare.printed import load_table
+from rollbench.compare.cases.lin.evidence.rotary_linear import ball_force_and_loss_over_grid, solve_linear_ball_pair
+from rollbench.compare.printed import load_printed_table
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
@@ -22,14 +22,14 @@ def test_entry(key: str) -> None:
 
 def test_open_numbers_are_only_shown() -> None:
     shown = ("force_ansys", "time_numerical", "time_analytic", "time_ansys")
-    found = {r.key for name in TABLES for r in load_table(name) if r.cls == "open"}
+    found = {r.key for name in TABLES for r in load_printed_table(name) if r.entry_class == "open"}
     assert found == {"elements_ansys", *(f"{case}_{key}" for case in "ab" for key in shown)}
 
 
 def test_claim_increase_grows() -> None:
     """lin-3.3:worst_increase, with the force: along theta and along rho, where balls touch."""
-    m = force_and_loss_maps()
-    ratio, force = m.ratio.numerical, m.force.numerical
+    m = ball_force_and_loss_over_grid()
+    ratio, force = m.groove_and_ball_loss_ratio.numerical, m.force.numerical
     touching = ratio[4:, 2::-1]  # theta = 1, 2, 3 degrees; rho = -0.2, -0.4, -0.6
     for field in (touching, force[4:, 2::-1]):
         assert np.all(np.diff(field, axis=0) > 0.0)
@@ -40,9 +40,9 @@ def test_claim_increase_grows() -> None:
 
 def test_claim_models_agree_away_from_the_corners() -> None:
     """lin-3.3:maps_agree: within a tenth of the largest value for half the range, a good deal more at the corners."""
-    m = force_and_loss_maps()
+    m = ball_force_and_loss_over_grid()
     inner = (slice(2, 5), slice(2, 5))
-    for both, base in [(m.difference, 0.0), (m.force, 0.0), (m.ratio, 1.0)]:
+    for both, base in [(m.velocity_deviation_difference, 0.0), (m.force, 0.0), (m.groove_and_ball_loss_ratio, 1.0)]:
         ours, error = both.numerical - base, both.error
         assert np.abs(error[inner]).max() < 0.02 * np.abs(ours).max()
         assert np.abs(error).max() > 3.0 * np.abs(error[inner]).max()
@@ -51,9 +51,9 @@ def test_claim_models_agree_away_from_the_corners() -> None:
 
 def test_claim_contact_only_where_balls_close_in() -> None:
     """lin-3.3:sign_region."""
-    m = force_and_loss_maps()
-    assert m.failures == 0
-    closing, force = m.difference.numerical > 1e-9, m.force.numerical
+    m = ball_force_and_loss_over_grid()
+    assert m.unconverged_state_count == 0
+    closing, force = m.velocity_deviation_difference.numerical > 1e-9, m.force.numerical
     assert np.all(force[closing] > 0.0)
     np.testing.assert_allclose(force[~closing], 0.0, atol=1e-8)
 
@@ -61,9 +61,13 @@ def test_claim_contact_only_where_balls_close_in() -> None:
 def test_spread_of_what_the_text_leaves_open() -> None:
     """The band of the numerical force in lin-3.5 and the remarks in lin-3.3, lin-3.4, by the readings they name."""
     forces = {"diagonal": 3.98, "balanced": 4.065, "elastic": 4.042}
-    assert {loads: solve_linear_pair(loads=loads).force for loads in forces} == pytest.approx(forces, abs=5e-3)
-    equal = solve_linear_pair(loads="diagonal").free.deviation
+    assert {loads: solve_linear_ball_pair(loads=loads).ball_to_ball_force for loads in forces} == pytest.approx(
+        forces, abs=5e-3
+    )
+    equal = solve_linear_ball_pair(loads="diagonal").apart.velocity_deviation
     assert equal[0] == pytest.approx(-equal[1], rel=1e-9)
     assert 100.0 * equal[0] == pytest.approx(0.81, abs=5e-3)
-    assert 100.0 * solve_linear_pair(radians(3.0), "elastic").rubbing_ratio == pytest.approx(185.3, abs=0.05)
-    assert 100.0 * solve_linear_pair(radians(3.0)).friction_increase == pytest.approx(89.5, abs=0.5)
+    assert 100.0 * solve_linear_ball_pair(radians(3.0), "elastic").groove_and_ball_loss_ratio == pytest.approx(
+        185.3, abs=0.05
+    )
+    assert 100.0 * solve_linear_ball_pair(radians(3.0)).friction_increase == pytest.approx(89.5, abs=0.5)

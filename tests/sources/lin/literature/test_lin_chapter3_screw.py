@@ -10,17 +10,17 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, keys, rows
 
 from rollbench.compare.cases.lin.evidence import source_cases
-from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, simulate_in_200_steps, solve_screw_pair
+from rollbench.compare.cases.lin.evidence.screw import AMPLITUDES, simulate_screw_in_200_steps, solve_screw_ball_pair
 from rollbench.lowfi.friction.screw.run import (
     BOTH,
     SHIFTED,
-    RunSummary,
     ScrewPairSolution,
+    ScrewRunSummary,
     load_implied_by_ball_force,
     pair_sliding_speed,
     simulate_equal_steps,
-    solve_pair,
-    summarise_history,
+    solve_pair_of_screw_balls,
+    summarise_screw_run,
 )
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -37,8 +37,10 @@ def test_entry(key: str) -> None:
 def reading(name: str, case: str) -> ScrewPairSolution:
     theta = THETA[case]
     if name == "radial":
-        return solve_pair(replace(source_cases.screw_pair_as_printed(theta), free="r", force=(100.0,), coupling="none"))
-    return solve_screw_pair(case, "plain" if name == "plain" else "inferred")
+        return solve_pair_of_screw_balls(
+            replace(source_cases.screw_pair_as_printed(theta), free="r", force=(100.0,), coupling="none")
+        )
+    return solve_screw_ball_pair(case, "plain" if name == "plain" else "inferred")
 
 
 @pytest.mark.parametrize("case", THETA)
@@ -49,7 +51,7 @@ def test_readings_of_table_3_7(case: str) -> None:
     forces, increases = [r.force for r in found], [100.0 * r.friction_increase for r in found]
     for key, (plain, inferred, radial) in (("force", forces), ("increase", increases)):
         row = rows("lin-3.7")[f"{key}_{case}"]
-        assert (row.cls, row.verdict) == ("open", "contradicted")
+        assert (row.entry_class, row.expected_verdict) == ("open", "contradicted")
         assert plain < row.value < radial
         assert inferred == pytest.approx(row.value, rel=0.025)
 
@@ -62,7 +64,7 @@ def test_plain_reading(case: str, force: float, increase: float) -> None:
     assert r.friction_increase == pytest.approx(increase, rel=1e-4)
     printed = rows("lin-3.7")[f"force_{case}"].value
     assert 0.44 < r.force / printed < 0.52
-    decoupled = solve_pair(replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none"))
+    decoupled = solve_pair_of_screw_balls(replace(source_cases.screw_pair_as_printed(THETA[case]), coupling="none"))
     assert decoupled.force < 0.4 * printed
 
 
@@ -71,10 +73,12 @@ def test_inferred_reading(case: str) -> None:
     """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
     table = rows("lin-3.7")
     for coupling in ("none", "ball"):
-        r = solve_pair(replace(source_cases.screw_pair_with_inferred_oversize(THETA[case]), coupling=coupling))
+        r = solve_pair_of_screw_balls(
+            replace(source_cases.screw_pair_with_inferred_oversize(THETA[case]), coupling=coupling)
+        )
         assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
         assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
-    assert np.all(r.free.load.force > 0.0)
+    assert np.all(r.apart.loads_with_friction.force > 0.0)
 
 
 def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
@@ -84,7 +88,9 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     off = {}
     for pattern in (BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), SHIFTED):
         two = [
-            solve_pair(replace(source_cases.screw_pair_with_inferred_oversize(t), pattern=(pattern, pattern))).force
+            solve_pair_of_screw_balls(
+                replace(source_cases.screw_pair_with_inferred_oversize(t), pattern=(pattern, pattern))
+            ).force
             for t in THETA.values()
         ]
         off[pattern] = abs(two[1] / two[0] - printed)
@@ -92,9 +98,9 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
     assert off[BOTH] < 0.005
     for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
         assert (
-            solve_pair(
+            solve_pair_of_screw_balls(
                 replace(source_cases.screw_pair_with_inferred_oversize(THETA["a"]), pattern=(pattern, pattern))
-            ).closing
+            ).approach_speed_when_apart
             < 0.0
         )
 
@@ -124,26 +130,26 @@ def test_oversize_is_what_matters() -> None:
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
         other = replace(base, oversize=factor * source_cases.inferred_oversize())
-        assert abs(solve_pair(other).force / printed - 1.0) > 0.2
+        assert abs(solve_pair_of_screw_balls(other).force / printed - 1.0) > 0.2
     for force in (25.0, 100.0):
-        assert solve_pair(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
+        assert solve_pair_of_screw_balls(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
 
 
 def test_hertz_constants_of_the_source_change_little() -> None:
     exact = source_cases.screw_pair_with_inferred_oversize(THETA["a"])
     printed = replace(exact, groove=source_cases.groove_of_table_3_6(hertz="as printed"))
-    assert solve_pair(printed).force == pytest.approx(solve_pair(exact).force, rel=0.13)
-    b1, h = rows("lin-B1"), printed.groove.constants
+    assert solve_pair_of_screw_balls(printed).force == pytest.approx(solve_pair_of_screw_balls(exact).force, rel=0.13)
+    b1, h = rows("lin-B1"), printed.groove.contact_hertz_constants
     for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
         assert value == pytest.approx(b1[key].value, rel=1e-3)
 
 
 @cache
-def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
+def run_summary(amplitude: float, phase: float = 0.0) -> ScrewRunSummary:
     if phase == 0.0:
-        return summarise_history(simulate_in_200_steps(amplitude))
+        return summarise_screw_run(simulate_screw_in_200_steps(amplitude))
     run = source_cases.simulation_inputs_of_section_3_4_4(amplitude=np.radians(amplitude), phase=phase)
-    return summarise_history(simulate_equal_steps(run))
+    return summarise_screw_run(simulate_equal_steps(run))
 
 
 def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
@@ -152,8 +158,8 @@ def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
     assert source_cases.simulation_inputs_of_section_3_4_4().tube == 0.0
     row = rows("lin-3.4.4")["largest"]
     runs = [*((a, 0.0) for a in AMPLITUDES), (3.0, 0.5 * np.pi), (3.0, np.pi)]
-    values = [100.0 * run_summary(*run).largest for run in runs]
-    assert row.cls == "open"
+    values = [100.0 * run_summary(*run).largest_ball_to_groove_ratio for run in runs]
+    assert row.entry_class == "open"
     assert max(values) - min(values) > 0.25 * (max(values) + min(values))
     assert values[0] < row.value < values[1]
 
@@ -162,7 +168,7 @@ def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
 def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name: str) -> None:
     """A range that holds 126 or 306 deg reaches past every result: both events come earlier here than printed."""
     row = rows("lin-3.4.4")[key]
-    assert row.cls == "open"
+    assert row.entry_class == "open"
     assert row.low is None
     phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
     found = [float(getattr(run_summary(a, p), name)) for a in AMPLITUDES for p in phases]
@@ -177,4 +183,4 @@ def test_without_oversize_only_coupled_friction_makes_contact() -> None:
     assert not simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(**short)).contact.any()
     coupled = simulate_equal_steps(source_cases.simulation_inputs_of_section_3_4_4(coupling="ball and screw", **short))
     assert coupled.contact.any()
-    assert summarise_history(coupled).groove_variation > 0.1
+    assert summarise_screw_run(coupled).groove_variation > 0.1

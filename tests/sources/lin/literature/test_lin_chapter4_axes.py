@@ -7,7 +7,12 @@ import pytest
 from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys
 
-from rollbench.compare.cases.lin.evidence.steering import PATTERNS, ball_azimuths, solve_load_ratios, steering_gear
+from rollbench.compare.cases.lin.evidence.steering import (
+    PATTERNS,
+    ball_azimuths,
+    load_ratios_at_18_degrees,
+    shipped_steering_gear,
+)
 from rollbench.compare.cases.smith.evidence import axis
 from rollbench.compare.cases.smith.evidence.bearings import APPLIED
 from rollbench.compare.scenes import catalogue
@@ -40,10 +45,10 @@ def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
 
 def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     """So that 1.47 and 3.32 identify nothing: the pinion's restraint alone changes them by a third."""
-    gear = steering_gear()
+    gear = shipped_steering_gear()
     (pinion,) = gear.supports
     free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
-    clamped, pinned = solve_load_ratios(gear), solve_load_ratios(replace(gear, supports=(free,)))
+    clamped, pinned = load_ratios_at_18_degrees(gear), load_ratios_at_18_degrees(replace(gear, supports=(free,)))
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
@@ -51,17 +56,17 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
 def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.SupportBearingLayout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
     scene, closed = (
-        axis.thrusts_and_stiffness_by_scene(STUDY, layout, 0.5),
+        axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5),
         axis.thrusts_and_stiffness_by_formulas(layout, 0.5),
     )
-    assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
-    assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
-    assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
+    assert scene.right_thrust - scene.left_thrust == pytest.approx(APPLIED, abs=1e-6)
+    assert scene.left_thrust == pytest.approx(closed.left_thrust, abs=0.03 * max(closed.right_thrust, APPLIED))
+    assert scene.axis_stiffness == pytest.approx(closed.axis_stiffness, rel=0.015)
 
 
 def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
-    of = {layout: axis.thrusts_and_stiffness_by_scene(STUDY, layout, 0.5).stiffness for layout in axis.LAYOUTS}
+    of = {layout: axis.thrusts_and_stiffness_by_beam_model(STUDY, layout, 0.5).axis_stiffness for layout in axis.LAYOUTS}
     for layout in (axis.TRIPLEX, axis.TAPERED):
-        assert axis.axis_stiffness_by_smith_sum(layout) < 0.75 * of[layout]
-    assert np.isnan(axis.axis_stiffness_by_smith_sum(axis.SUPPORTED))
+        assert axis.axis_stiffness_by_sum_in_series(layout) < 0.75 * of[layout]
+    assert np.isnan(axis.axis_stiffness_by_sum_in_series(axis.SUPPORTED))
     assert of[axis.TRIPLEX] / of[axis.SUPPORTED] == pytest.approx(2.0, abs=0.05)

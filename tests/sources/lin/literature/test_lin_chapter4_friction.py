@@ -16,7 +16,7 @@ from rollbench.lowfi.friction.bearing import (
     DIAGONAL,
     OTHER,
     BallRow,
-    TorqueCurve,
+    BearingTorqueCurve,
     solve_bearing,
     torque_over_force_angles,
 )
@@ -36,7 +36,7 @@ def test_entry(key: str) -> None:
 
 
 @cache
-def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
+def curve(name: str, tilt: bool, **changes) -> BearingTorqueCurve:
     make = four_point_bearing if name == "4P" else double_row_bearing
     return torque_over_force_angles(make(tilt=tilt, **changes), ANGLES)
 
@@ -48,7 +48,7 @@ def assumptions() -> list[float]:
         case = four_point_bearing(tilt=True, phase=phase, clearance=clearance)
         found = torque_over_force_angles(replace(case, groove=replace(case.groove, hertz=hertz)), ANGLES)
         assert found.converged.all()
-        ratios.append(found.ratio)
+        ratios.append(found.largest_over_smallest_torque)
     return ratios
 
 
@@ -57,28 +57,32 @@ def test_ratio_of_the_four_point_bearing() -> None:
     found = assumptions()
     assert row.low <= min(found) < row.value < max(found) <= row.high
     tilted = curve("4P", True)
-    assert tilted.ratio == pytest.approx(5.573, abs=2e-3)
-    assert (tilted.four[0], tilted.four[-1]) == (0, 3)
+    assert tilted.largest_over_smallest_torque == pytest.approx(5.573, abs=2e-3)
+    assert (tilted.balls_beyond_two_contacts[0], tilted.balls_beyond_two_contacts[-1]) == (0, 3)
     assert np.all(np.diff(tilted.torque) > 0.0)
 
 
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
-    assert curve("4P", False).ratio < 1.03
-    assert np.all(curve("4P", False).four == 0)
+    assert curve("4P", False).largest_over_smallest_torque < 1.03
+    assert np.all(curve("4P", False).balls_beyond_two_contacts == 0)
     later = torque_over_force_angles(four_point_bearing(tilt=False), np.radians([0.0, 30.0, 45.0]))
-    assert later.ratio > 3.0
-    assert later.four[-1] > 0
+    assert later.largest_over_smallest_torque > 3.0
+    assert later.balls_beyond_two_contacts[-1] > 0
 
 
 def test_double_row_varies_less() -> None:
     for tilt, most in ((False, 1.03), (True, 1.28)):
         dr = curve("DR", tilt)
-        assert (dr.converged.all(), dr.four.any(), dr.ratio < most) == (True, False, True)
+        assert (dr.converged.all(), dr.balls_beyond_two_contacts.any(), dr.largest_over_smallest_torque < most) == (
+            True,
+            False,
+            True,
+        )
     face = torque_over_force_angles(
         double_row_bearing(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES
     )
-    assert face.ratio < 1.28
-    assert min(assumptions()) > 3.0 * face.ratio
+    assert face.largest_over_smallest_torque < 1.28
+    assert min(assumptions()) > 3.0 * face.largest_over_smallest_torque
 
 
 @pytest.mark.parametrize("tilt", [False, True])
@@ -138,24 +142,24 @@ def test_roundness_brings_balls_together_sooner_than_pitch() -> None:
     for idle in (0.0, 0.9):
         round_ = onset("lin-roundness-4p1", idle)
         assert round_.converged
-        assert (round_.loaded == 0.0).sum() > 10
-        assert round_.first < 0.2 * 2.0 * np.pi
-        assert np.isfinite(round_.meeting).sum() > 0
-        assert round_.first < 0.01 * pitch.first
-    assert (pitch.loaded > 0.0).all()
-    assert nominal.first > pitch.first > 10.0 * 2.0 * np.pi
-    assert np.degrees(onset("lin-roundness-4p1", 0.0).first) == pytest.approx(5.85, abs=0.05)
+        assert (round_.contact_load_sums == 0.0).sum() > 10
+        assert round_.rotation_to_first_meeting < 0.2 * 2.0 * np.pi
+        assert np.isfinite(round_.rotation_to_meeting).sum() > 0
+        assert round_.rotation_to_first_meeting < 0.01 * pitch.rotation_to_first_meeting
+    assert (pitch.contact_load_sums > 0.0).all()
+    assert nominal.rotation_to_first_meeting > pitch.rotation_to_first_meeting > 10.0 * 2.0 * np.pi
+    assert np.degrees(onset("lin-roundness-4p1", 0.0).rotation_to_first_meeting) == pytest.approx(5.85, abs=0.05)
 
 
 def test_onset_is_gap_over_closing_speed_and_lost_balls_that_roll_along_do_not_meet_sooner() -> None:
     """The conclusion rests on what lost balls do: at the nominal velocity it is gone."""
-    assert onset("lin-roundness-4p1", 1.0).first > 10.0 * 2.0 * np.pi
+    assert onset("lin-roundness-4p1", 1.0).rotation_to_first_meeting > 10.0 * 2.0 * np.pi
     o, s = onset("lin-roundness-4p1", 0.0), scene("lin-roundness-4p1")
-    k = int(np.argmin(o.meeting))
-    first, second = o.pair[k]
-    assert o.loaded[first] > 0.0 == o.loaded[second]
-    assert o.first == pytest.approx(o.gap[k] / o.orbit[first], rel=1e-12)
-    assert o.gap[k] == pytest.approx(
+    k = int(np.argmin(o.rotation_to_meeting))
+    first, second = o.neighbour_pairs[k]
+    assert o.contact_load_sums[first] > 0.0 == o.contact_load_sums[second]
+    assert o.rotation_to_first_meeting == pytest.approx(o.pair_gaps[k] / o.orbital_speeds[first], rel=1e-12)
+    assert o.pair_gaps[k] == pytest.approx(
         2.0 * np.pi * 3.75 / 71 - azimuth_between_touching_balls(ball_kinematics(s, NUT, s.balls.radius)), rel=1e-9
     )
 

@@ -9,82 +9,88 @@ import pytest
 from rollbench.compare.cases.lin.pages import reconstruction
 from rollbench.compare.cases.lin.reconstruction import readings
 from rollbench.compare.evidence import evidence
-from rollbench.compare.models.study import Study
-from rollbench.compare.reference.store import load_run
+from rollbench.compare.models.study import SceneResultCache
+from rollbench.compare.reference.store import load_stored_run
 from rollbench.compare.scenes import catalogue
 from rollbench.hifi.contact.block import JOBS, SOURCE_COARSE, solve_hertz_contact_on_mesh
-from rollbench.meshes.block import BodyOfInfluence, mesh_block_with_tetrahedra
+from rollbench.meshes.block import EllipsoidElementSizes, mesh_block_with_tetrahedra
 
 pytestmark = pytest.mark.xdist_group("reconstruction")
 
 
 @pytest.fixture(scope="module")
 def study():
-    return Study()
+    return SceneResultCache()
 
 
 def test_readings_that_are_combined_are_those_that_move_the_ratio(study):
     for these, loads, movers in (
         (readings.LOW, readings.low_order_loads, readings.LOW_MOVERS),
-        ([r for r in readings.SOLID if not r.penalty], readings.required_loads_in_3d, readings.MOVERS),
+        ([r for r in readings.SOLID if not r.relative_penalty], readings.required_loads_in_3d, readings.MOVERS),
     ):
         base = readings.largest_over_smallest_load(loads(study, ())[0])
         moves = {
-            r.key
+            r.short_name
             for r in these
-            if not r.by_text and abs(readings.largest_over_smallest_load(loads(study, (r,))[0]) / base - 1.0) > 0.005
+            if not r.contradiction_by_text
+            and abs(readings.largest_over_smallest_load(loads(study, (r,))[0]) / base - 1.0) > 0.005
         }
         assert moves == set(movers)
 
 
 def test_combinations_are_of_different_choices():
     for c in readings.combine_interpretations(readings.SOLID, 3):
-        assert len({r.choice for r in c}) == len(c)
+        assert len({r.modelling_choice for r in c}) == len(c)
     assert (
-        len(readings.combinations_in_3d())
-        == len({readings.combination_key(c) for c in readings.combinations_in_3d()})
+        len(readings.combinations_solved_in_3d())
+        == len({readings.combination_name(c) for c in readings.combinations_solved_in_3d()})
         == 26
     )
-    assert all(readings.stored_loads(c) is not None for c in readings.combinations_in_3d())
+    assert all(readings.stored_loads(c) is not None for c in readings.combinations_solved_in_3d())
 
 
 def test_no_combination_has_all_that_is_printed(study):
     """One has the ratio and not the fall of the largest error, the penalties have more of the fall and too small an RMS."""
     found = study.compute_once(readings.evaluate_combinations)
-    shown, printed = readings.combinations_shown_in_report(found), readings.printed_errors()
+    shown, printed = readings.explanations_shown_in_report(found), readings.printed_errors_percent()
     base, near = shown["all by default"], shown["nearest in the ratio, no penalty"]
-    assert (base.low_ratio, base.solid_ratio) == pytest.approx((1.308, 1.406), abs=1e-3)
-    assert (readings.combination_key(near.low), readings.combination_key(near.solid)) == ("squared+source", "plain")
-    assert near.errors["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
-    soft = [c for c in shown.values() if not c.low and any(r.penalty for r in c.solid)]
-    falls = [reconstruction.error_changes_to_case_2(c.errors["own"])[0] for c in (near, *soft)]
-    printed_fall = reconstruction.error_changes_to_case_2(printed)[0]
+    assert (base.low_order_load_ratio, base.load_ratio_in_3d) == pytest.approx((1.308, 1.406), abs=1e-3)
+    assert (readings.combination_name(near.low_order_combination), readings.combination_name(near.combination_in_3d)) == (
+        "squared+source",
+        "plain",
+    )
+    assert near.errors_percent["own"] == pytest.approx((5.36, 2.51, 5.32, 2.51), abs=0.02)
+    soft = [
+        c for c in shown.values() if not c.low_order_combination and any(r.relative_penalty for r in c.combination_in_3d)
+    ]
+    falls = [reconstruction.error_fall_and_rise_to_case_2(c.errors_percent["own"])[0] for c in (near, *soft)]
+    printed_fall = reconstruction.error_fall_and_rise_to_case_2(printed)[0]
     assert falls == sorted(falls)  # the softer, the more of it
     assert falls[0] < 0.1 * printed_fall
     assert 0.5 * printed_fall < falls[-1] < printed_fall
-    ratios = [c.solid_ratio for c in soft]
+    ratios = [c.load_ratio_in_3d for c in soft]
     assert ratios == sorted(ratios, reverse=True)
     assert ratios[-1] < readings.printed_load_ratio() < ratios[0]
-    near_max = min(soft, key=lambda c: abs(c.misses[2]))
-    assert (near_max.misses[[3, 5]] < -0.3).all()  # RMS of both cases
+    near_max = min(soft, key=lambda c: abs(c.deviations_from_print[2]))
+    assert (near_max.deviations_from_print[[3, 5]] < -0.3).all()  # RMS of both cases
 
 
 def test_no_error_against_ansys_comes_out(study):
     found = {e.printed.key: e for e in evidence(study, "lin-2.4.1")}
     assert {found[key].verdict for key in readings.ERRORS} == {"not identifiable"}
-    assert all("combinations of readings" in found[key].words for key in readings.ERRORS)
+    assert all("combinations of readings" in found[key].remark for key in readings.ERRORS)
 
 
 def test_a_little_penalty_adds_what_hertz_pressure_makes_it(study):
     """It adds half of pressure squared over the penalty to the complementary energy, integrated over the ellipse: that goes
     as F^(4/3), and its slope, by which the approach grows, is 3/4 of the mean pressure over the penalty."""
-    (run, _) = readings.stored_runs(tuple(r for r in readings.SOLID if r.key == "penalty"))
-    exact, force = JOBS["B"].exact, float(run.load[:, 0].mean())
-    size = np.cbrt(force / exact.load) ** 2  # of the ellipse's area
+    (run, _) = readings.stored_runs_or_none(tuple(r for r in readings.SOLID if r.short_name == "penalty"))
+    exact, force = JOBS["B"].hertz_solution, float(run.load[:, 0].mean())
+    size = np.cbrt(force / exact.normal_force) ** 2  # of the ellipse's area
     mean = force / (np.pi * exact.semi_x * exact.semi_y * size)
     share = 0.75 * mean / run.settings["penalty_N_m3"] / (exact.approach * size)
     assert readings.penalty_over_hertz_approach(
-        study, tuple(r for r in readings.SOLID if r.key == "penalty")
+        study, tuple(r for r in readings.SOLID if r.short_name == "penalty")
     ) == pytest.approx(share, rel=0.1)
 
 
@@ -93,11 +99,11 @@ def test_the_page_answers_first_and_says_what_friction_does(study):
     text = reconstruction.origin_of_error_paragraph(found)
     assert text.startswith("Where does 5.38 % come from? It is not identified.")
     assert "penalty" in text
-    text = reconstruction.friction_paragraph(study)
+    text = reconstruction.friction_in_3d_paragraph(study)
     assert text.startswith("Friction of 0.01 is computed")
     assert "no load by more than 0.007 % of the mean and the ratio by +0.004 %" in text
     assert "bears 0.95 % of the load" in text
-    assert "The next mesh level changes" in reconstruction.penalty_paragraph(study)
+    assert "The next mesh level changes" in reconstruction.contact_penalty_paragraph(study)
 
 
 def test_scatter_of_the_mesh_is_what_is_measured():
@@ -106,12 +112,12 @@ def test_scatter_of_the_mesh_is_what_is_measured():
     job, found = JOBS["B"], []
     sizes = (0.074e-3, 0.076e-3, 0.078e-3, 0.079e-3, 0.080e-3, 0.081e-3, 0.082e-3, 0.084e-3, 0.086e-3)
     for size in sizes:
-        mesh = mesh_block_with_tetrahedra(1, BodyOfInfluence(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
-        found.append(solve_hertz_contact_on_mesh(job, mesh, job.exact.semi_y / size).approach)
-    error = 100.0 * (np.array(found) / job.exact.approach - 1.0)
+        mesh = mesh_block_with_tetrahedra(1, EllipsoidElementSizes(size, (0.6e-3,) * 3, 0.3, SOURCE_COARSE), 4e-3)
+        found.append(solve_hertz_contact_on_mesh(job, mesh, job.hertz_solution.semi_y / size).approach)
+    error = 100.0 * (np.array(found) / job.hertz_solution.approach - 1.0)
     trend = np.polyval(np.polyfit(sizes, error, 1), sizes)
     alone = float(np.linalg.norm(error - trend) / np.sqrt(len(sizes) - 2))
-    assert job.exact.approach == pytest.approx(readings.APPROACH, rel=1e-4)
+    assert job.hertz_solution.approach == pytest.approx(readings.APPROACH, rel=1e-4)
     assert error.mean() == pytest.approx(readings.BIAS, abs=0.3)
     assert alone / np.sqrt(2.0) == pytest.approx(readings.SCATTER, rel=0.3)
 
@@ -120,18 +126,21 @@ def test_drawn_errors_are_those_of_the_loads_without_scatter(study):
     best = readings.combination_nearest_to_print(
         readings.combinations_without_penalty(study.compute_once(readings.evaluate_combinations)), 2
     )
-    loads = readings.low_order_loads(study, best.low), readings.required_loads_in_3d(study, best.solid)
-    for of_load, definition in ((True, "own"), (False, "mean")):
-        still = readings.errors_on_random_meshes(*loads, 0.0, of_load=of_load)
-        assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
-        assert still[0] == pytest.approx(best.errors[definition], rel=2e-3)
-    drawn = readings.errors_on_random_meshes(*loads, 1.0)
-    assert (np.median(drawn, axis=0) > still[0]).all()
-    assert 0.0 < readings.load_change_per_approach(loads[1]) < 1.5  # less than between rigid bodies
-    less = readings.errors_on_random_meshes(*loads, 0.2)
-    assert readings.fraction_with_fall_and_rise(drawn, 0.265, 0.15) > 10.0 * readings.fraction_with_fall_and_rise(
-        less, 0.265, 0.15
+    loads = (
+        readings.low_order_loads(study, best.low_order_combination),
+        readings.required_loads_in_3d(study, best.combination_in_3d),
     )
+    for of_load, definition in ((True, "own"), (False, "mean")):
+        still = readings.low_order_errors_on_random_meshes(*loads, 0.0, in_percent_of_each_load=of_load)
+        assert np.ptp(still, axis=0) == pytest.approx(0.0, abs=1e-9)
+        assert still[0] == pytest.approx(best.errors_percent[definition], rel=2e-3)
+    drawn = readings.low_order_errors_on_random_meshes(*loads, 1.0)
+    assert (np.median(drawn, axis=0) > still[0]).all()
+    assert 0.0 < readings.relative_load_rise_per_hertz_approach(loads[1]) < 1.5  # less than between rigid bodies
+    less = readings.low_order_errors_on_random_meshes(*loads, 0.2)
+    assert readings.fraction_of_meshes_with_fall_and_rise(
+        drawn, 0.265, 0.15
+    ) > 10.0 * readings.fraction_of_meshes_with_fall_and_rise(less, 0.265, 0.15)
 
 
 def test_the_shape_of_case_3_is_a_rise_on_the_inner_flanks_of_the_last_balls():
@@ -166,13 +175,13 @@ def test_the_table_of_combinations_has_every_pair_once_and_what_it_misses(study)
 
 
 SCENE = catalogue.scene(readings.CASES[0])
-FRICTION = {r.key: (r,) for r in readings.SOLID if r.key in ("off-line", "sliding", "sliding-back")}
+FRICTION = {r.short_name: (r,) for r in readings.SOLID if r.short_name in ("off-line", "sliding", "sliding-back")}
 
 
 def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np.ndarray]:
     """Middle of a ball that rolls on two arcs of one radius, and the centre of the first arc, which has moved by ``shift``
     across the load [m] and turned about its own middle by ``tilt`` [rad]; the other one stays, its centre at -h on x."""
-    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.groove_less_ball_radius(SCENE)
+    r, ball, h = SCENE.screw.groove_radius, SCENE.balls.radius, readings.groove_radius_less_ball_radius(SCENE)
     middle, centre = np.zeros(2), np.array([h, 0.0])
     for _ in range(steps):
         normal = (middle - centre) / np.linalg.norm(middle - centre)  # from the first arc's centre to the ball
@@ -186,7 +195,7 @@ def rolled(shift: float, tilt: float, steps: int = 2000) -> tuple[np.ndarray, np
 
 @pytest.mark.parametrize(("shift", "tilt"), [(5e-6, 0.0), (-2e-6, 1e-4), (5e-6, 3e-4)])
 def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shift, tilt):
-    h, r = readings.groove_less_ball_radius(SCENE), SCENE.screw.groove_radius
+    h, r = readings.groove_radius_less_ball_radius(SCENE), SCENE.screw.groove_radius
     middle, centre = rolled(shift, tilt)
     phi = np.linalg.norm(middle - 0.5 * (centre + np.array([-h, 0.0]))) / h
     assert phi == pytest.approx(abs(tilt) * r / (2.0 * h), abs=2e-5)
@@ -195,7 +204,7 @@ def test_a_ball_that_rolls_stays_on_its_line_but_for_the_tilt_of_the_grooves(shi
 
 def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fills_the_grooves_more():
     """By the forces themselves: normals at both contacts, friction across them."""
-    h, ball, pressed = readings.groove_less_ball_radius(SCENE), SCENE.balls.radius, 6e-6
+    h, ball, pressed = readings.groove_radius_less_ball_radius(SCENE), SCENE.balls.radius, 6e-6
     arcs = np.array([[h + pressed, 0.0], [-h - pressed, 0.0]])
     middle = np.array([0.0, h * readings.MU])
     away = middle - arcs
@@ -213,7 +222,7 @@ def test_a_ball_beside_its_line_has_balanced_forces_that_are_not_turned_and_fill
 
 def test_balls_as_far_off_their_lines_as_friction_holds_them_change_loads_as_little_in_both_models(study):
     solid = readings.required_loads_in_3d(study, FRICTION["off-line"])
-    low = [study.solve(readings.displace_balls_by_friction(catalogue.scene(c)), "lin").load for c in readings.CASES]
+    low = [study.solve(readings.with_balls_displaced_by_friction(catalogue.scene(c)), "lin").load for c in readings.CASES]
     for found, base in ((solid, readings.required_loads_in_3d(study, ())), (low, readings.low_order_loads(study, ()))):
         for a, b in zip(found, base, strict=True):
             assert np.abs(a - b).max() < 1e-4 * b[:, 0].mean()
@@ -227,7 +236,7 @@ def test_friction_of_sliding_grooves_bears_its_part_of_the_axial_force(study, ke
     """Summed from stored loads and angles; and the loads as of a contact angle that is turned by that of friction."""
     alpha = float(np.arctan(SCENE.track.lead / (2.0 * np.pi * SCENE.track.pitch_radius)))
     for scene, name in zip(readings.case_scenes_in_3d(FRICTION[key]), readings.CASES, strict=True):
-        run = load_run(scene, readings.LEVEL, stores=[readings.RUNS])
+        run = load_stored_run(scene, readings.LEVEL, stores=[readings.RUNS])
         force, angle = run.load[:, 0], np.radians(run.angle[:, 0])
         axial = np.cos(alpha) * (force * (np.sin(angle) + sense * readings.MU * np.cos(angle))).sum()
         assert axial == pytest.approx(5000.0, rel=1e-5)

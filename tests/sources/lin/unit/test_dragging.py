@@ -15,7 +15,7 @@ from rollbench.meshes.groove_map import GrooveMap
 def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu: float) -> None:
     """Across the contact's load in the section of the groove, with the axial part of that load where the screw goes on."""
     alpha, n = 0.2, 9
-    m = replace(GrooveMap.of(catalogue.scene("lin-case1")), alpha=alpha)
+    m = replace(GrooveMap.from_scene(catalogue.scene("lin-case1")), alpha=alpha)
     section = np.array([[1.0, 0.0, 0.0], [0.0, -np.sin(alpha), np.cos(alpha)]])
     turned = np.radians(np.linspace(-8.0, 8.0, n))
     left, right = (np.stack([np.cos(0.8 + turned), s * np.sin(0.8 + turned)], axis=1) @ section for s in (1.0, -1.0))
@@ -25,7 +25,7 @@ def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu:
     case = SlidingLoadCase.__new__(SlidingLoadCase)
     zones = (slice(0, n), 0), (slice(n, 2 * n), 3)
     case.mu, case.sets = mu, [SimpleNamespace(setup=SimpleNamespace(map=m), node_slices_of_flanks=zones)]
-    across = case.across(SimpleNamespace(forces=[forces], directions=[normals]))
+    across = case.friction_as_normal_forces(SimpleNamespace(forces=[forces], directions=[normals]))
     for ball, nodes in ((0, slice(0, n)), (0, slice(n, 2 * n)), (1, slice(0, n))):
         load = forces[ball, nodes] @ normals[ball, nodes]
         friction = across[ball, nodes] @ normals[ball, nodes]

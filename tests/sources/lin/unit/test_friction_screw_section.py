@@ -13,7 +13,7 @@ from tests.sources.entries import found
 from rollbench.compare.cases.lin import extremes
 from rollbench.compare.cases.lin import extremes as friction_stability
 from rollbench.compare.cases.lin.evidence import screw
-from rollbench.compare.cases.lin.extremes import BALLS, GroupResult, SolutionTally
+from rollbench.compare.cases.lin.extremes import BALLS, ExtremeGroupTally, GroupResult
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.lowfi.friction.as_source.screw import simulate_by_root
 from rollbench.lowfi.friction.linear.chain import solve_linear_chain
@@ -49,14 +49,14 @@ def records() -> list[GroupResult]:
             patch.setattr(extremes, name, value)
         for name in ("linear_solutions_from_starts", "pair_solutions_from_starts"):
             patch.setattr(extremes, name, every_fourth(getattr(extremes, name)))
-        return friction_stability.solve_all_groups()
+        return friction_stability.solve_all_extreme_groups()
 
 
 def test_both_readings_stand_side_by_side(section):
     """Errors belong to the plain reading; the inferred one is labelled and has its own."""
     of = [found(f"lin-3.7:{kind}_{case}") for kind in ("force", "increase") for case in "ab"]
     assert [f.value for f in of] == pytest.approx([0.98316, 1.29143, 37.855, 49.858], rel=2e-4)
-    assert [f.reading for f in of] == pytest.approx([1.9615, 2.9468, 39.369, 60.176], rel=2e-4)
+    assert [f.value_by_inferred_assumption for f in of] == pytest.approx([1.9615, 2.9468, 39.369, 60.176], rel=2e-4)
     assert all(f.verdict == "contradicted" for f in of)
     rows = tables(section)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
@@ -83,10 +83,10 @@ def test_whole_runs_the_parts_of_their_torque_and_what_the_first_step_makes_with
         np.testing.assert_allclose(groove + ball, total, rtol=1e-12)
         assert ball.max() > 0.0
         assert 1.99 <= panel.series[0].x[-1] < 2.0
-    loose = screw.simulate_without_oversize()
-    assert screw.summarise_history(loose).groove_variation > 0.3
+    loose = screw.simulate_screw_without_oversize()
+    assert screw.summarise_screw_run(loose).groove_variation > 0.3
     assert screw.relative_groove_torque_variation(loose) < 0.08
-    assert all(share in found("lin-3.4.4:groove_steady").words for share in ("6.8%", "37%"))
+    assert all(share in found("lin-3.4.4:groove_steady").remark for share in ("6.8%", "37%"))
 
 
 def test_bearings_and_onset(section):
@@ -114,8 +114,8 @@ def test_ours_has_no_failure_and_unique_answers_and_solves_the_longest_chains(re
         assert max(r.energy, r.spread) < 1e-8, r
     groups = {r.group for r in records}
     assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
-    linear = solve_linear_chain(extremes.linear_bearing_balls_at_random(max(BALLS), 0.5).chain())
-    screws = solve_motion_of_chain(extremes.screw_balls_at_random(max(BALLS)))
+    linear = solve_linear_chain(extremes.random_linear_bearing_balls(max(BALLS), 0.5).to_linear_chain())
+    screws = solve_motion_of_chain(extremes.random_screw_balls(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)
     assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)
@@ -131,7 +131,7 @@ def test_root_finding_of_the_source_fails(records):
 
 def test_a_failure_would_be_counted(records):
     """Wrong answers, lost power and failures show up in a record."""
-    tally = SolutionTally()
+    tally = ExtremeGroupTally()
     tally.count_own_solution(True, 1.0, 1.0, 0.0)
     tally.count_own_solution(False, 1.1, 1.0, 0.2)
     r = tally.to_group_result("group", "model")

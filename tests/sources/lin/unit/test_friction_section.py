@@ -9,10 +9,10 @@ from tests.sources.entries import found
 from rollbench.compare.cases.lin.evidence import rotary_linear
 from rollbench.compare.cases.lin.pages import friction
 from rollbench.compare.evidence import evidence
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.scenes.scene_file import hash_of_scene_text
-from rollbench.compare.sections.how_to_read import assumption_rows
+from rollbench.compare.sections.how_to_read import rows_of_assumed_inputs
 from rollbench.reports.content import Section
 
 TABLES = ("lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
@@ -41,7 +41,7 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
         assert f.as_printed == pytest.approx(faulty, rel=5e-3)
         assert abs(f.value - f.printed.value) > f.printed.tolerance, key
         assert f.printed.tolerance <= 0.025
-    as_printed = [f for f in evidence(STUDY, *TABLES) if f.printed.cls == "as-printed"]
+    as_printed = [f for f in evidence(STUDY, *TABLES) if f.printed.entry_class == "as-printed"]
     assert all(None not in (f.as_printed, f.value) for f in as_printed)
 
 
@@ -62,8 +62,8 @@ def test_totals_of_case_iii():
 
 
 def test_misprinted_exponents_are_far_off():
-    assert rotary_linear.force_with_misprinted_exponents() < 0.1
-    assert "0.017 N" in found("lin-3.5:a_force_analytic").words
+    assert rotary_linear.ball_force_with_misprinted_exponents() < 0.1
+    assert "0.017 N" in found("lin-3.5:a_force_analytic").remark
 
 
 def test_balance_of_power_and_its_fault(section):
@@ -124,13 +124,13 @@ SCENES = (*ROTARY, "lin-pair-a", "lin-pair-b", "lin-pair-worst")
 
 
 def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
-    study = Study()
+    study = SceneResultCache()
     evidence(study, *TABLES)
-    assert set(study.used) == set(SCENES)
-    rows = {row["assumed"]: row["scenes"] for row in assumption_rows(study)}
-    for name, scene in study.used.items():
+    assert set(study.used_scenes) == set(SCENES)
+    rows = {row["assumed"]: row["scenes"] for row in rows_of_assumed_inputs(study)}
+    for name, scene in study.used_scenes.items():
         assert hash_of_scene_text(catalogue.shipped_scene_text(name))
         for sentence in scene.assumed:
             assert rows[sentence] == "all" or name in rows[sentence].split(", ")
-    study.scene("lin-case1")
-    assert list(study.used) == sorted({*SCENES, "lin-case1"})
+    study.built_in_scene("lin-case1")
+    assert list(study.used_scenes) == sorted({*SCENES, "lin-case1"})

@@ -8,8 +8,8 @@ from tests.evidence_study import GROUP, STUDY
 from tests.sources.entries import check, keys, of_source
 
 from rollbench.compare.cases.liu import evidence as liu
-from rollbench.compare.evidence import Evidence, evidence
-from rollbench.compare.printed import load_table
+from rollbench.compare.evidence import PrintedEntryComparison, evidence
+from rollbench.compare.printed import load_printed_table
 from rollbench.lowfi.random_errors.chain import (
     calibrate_compliance,
     last_to_first_load_ratio,
@@ -25,12 +25,12 @@ TABLES = of_source("liu")
 RANDOM = [
     row
     for name in ("liu-4.3", "liu-4.4")
-    for row in load_table(name)
+    for row in load_printed_table(name)
     if row.value is not None and row.key != "K_0_3000" and not row.key.startswith("spread")
 ]
 
 
-def by_key(key: str) -> Evidence:
+def by_key(key: str) -> PrintedEntryComparison:
     return next(f for f in evidence(STUDY, *TABLES) if f.printed.key == key)
 
 
@@ -44,7 +44,7 @@ def test_entry(key: str) -> None:
 
 def place(row):
     half = 0.0 if "loaded" in row.key else row.tolerance
-    return percentile_rank(liu.drawn_values_for_printed_number(row.key), row.value, half)
+    return percentile_rank(liu.random_screw_values_for_printed_number(row.key), row.value, half)
 
 
 @pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
@@ -54,18 +54,18 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
     Class open: fewer, or the draws spread wider; the words say how many.
     """
     p = place(row)
-    low, high = np.quantile(liu.drawn_values_for_printed_number(row.key), [0.005, 0.995])
+    low, high = np.quantile(liu.random_screw_values_for_printed_number(row.key), [0.005, 0.995])
     narrow = high - low <= 0.25 * (high + low)
     assert (row.cls == "band") == (p.tail_probability >= liu.UNLIKELY and narrow), (row.key, p, low, high)
-    words = by_key(row.key).words
-    assert f"percentile {p.middle:.1f} ± {p.error:.1f}" in words
+    words = by_key(row.key).remark
+    assert f"percentile {p.percent:.1f} ± {p.standard_error:.1f}" in words
     assert f"probability {p.tail_probability:.4f}" in words
 
 
-@pytest.mark.parametrize("row", [r for r in RANDOM if r.cls == "band"], ids=lambda r: r.key)
+@pytest.mark.parametrize("row", [r for r in RANDOM if r.entry_class == "band"], ids=lambda r: r.key)
 def test_bands_are_those_of_the_ensemble(row) -> None:
     """The range in the data holds the central 99 % and no more than the central 99.98 % and a twentieth of its width."""
-    values = liu.drawn_values_for_printed_number(row.key)
+    values = liu.random_screw_values_for_printed_number(row.key)
     low, high = np.quantile(values, [0.005, 0.995])
     assert row.low <= low + 0.02 * (high - low)
     assert row.high >= high - 0.02 * (high - low)
@@ -77,13 +77,13 @@ def test_bands_are_those_of_the_ensemble(row) -> None:
 
 def test_other_draws_give_the_same_percentiles() -> None:
     """Another seed: every percentile within four standard errors of both samples. All random screws converge."""
-    other = solve_ensemble(liu.calibrated_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
+    other = solve_ensemble(liu.calibrated_axial_model(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
     for load in (500.0, 1000.0, 5000.0):
         row = next(r for r in RANDOM if r.key == f"max_2_{load:.0f}")
         a, b = place(row), percentile_rank(other.values_at("largest", load), row.value, row.tolerance)
-        assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
+        assert abs(a.percent - b.percent) < 4.0 * np.hypot(a.standard_error, b.standard_error)
     for half_range in liu.LOADS:
-        ensemble = liu.solve_drawn_screws(half_range)
+        ensemble = liu.solve_random_screws(half_range)
         assert ensemble.failed == 0
         assert ensemble.kept.shape == (liu.MEMBERS, len(liu.LOADS[half_range]), 6)
 
@@ -91,10 +91,10 @@ def test_other_draws_give_the_same_percentiles() -> None:
 def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     """Given about 42 loaded balls at 500 N and +-3 um, no random screw has as few as 43 at 1000 N. Medians of the
     counts at 1000 N add up to all balls, and the printed ones are too many."""
-    assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
-    assert all(words in liu.matching_screws_in_words(3, 42, 78) for words in ("1707 screws", " 1707 have"))
+    assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").remark
+    assert all(words in liu.screws_with_printed_counts_in_words(3, 42, 78) for words in ("1707 screws", " 1707 have"))
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
-        loaded = float(np.median(liu.quantity_of_drawn_screws(half_range, "loaded", 1000.0)))
+        loaded = float(np.median(liu.quantity_of_random_screws(half_range, "loaded", 1000.0)))
         assert by_key(key).value == 78 - loaded < by_key(key).printed.value
 
 
@@ -102,10 +102,10 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
 
 
 def test_what_the_calibration_implies() -> None:
-    assert liu.calibrated_model().compliance == pytest.approx(3.874e-12, rel=1e-3)
+    assert liu.calibrated_axial_model().compliance == pytest.approx(3.874e-12, rel=1e-3)
     assert 1e6 * liu.implied_series_cross_section(26.0) == pytest.approx(387.4, abs=0.1)
-    assert last_to_first_load_ratio(liu.calibrated_model(), liu.calibration_load()) == pytest.approx(
-        liu.printed_last_over_first_load(), abs=1e-9
+    assert last_to_first_load_ratio(liu.calibrated_axial_model(), liu.calibration_load()) == pytest.approx(
+        liu.printed_last_over_first_load_ratio(), abs=1e-9
     )
 
 
@@ -113,7 +113,7 @@ def test_only_the_implicit_angle_gives_all_ratios() -> None:
     """Each reading calibrated alike: the printed ratio of Mei's model and at -2 um to half a unit of the last digit."""
     hits = {}
     for law in ("constant", "implicit", "exact"):
-        chain = liu.calibrated_model(law)
+        chain = liu.calibrated_axial_model(law)
         q = solve_ball_screw(chain, liu.errors_of_ball_33(-2e-6), 1000.0).load
         mei = last_to_first_load_ratio(replace(chain, law="constant"), 5000.0)
         hits[law] = abs(q[-1] / q[0] - 0.919) <= 5e-4, abs(mei - 0.87) <= 1e-3
@@ -129,7 +129,7 @@ def test_two_digits_exchanged() -> None:
 
 def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None:
     """(22) is a difference over a step that is not printed: what only it decides is not identifiable."""
-    rows = [row for row in load_table("liu-4.4") if row.key.startswith("K_")]
+    rows = [row for row in load_printed_table("liu-4.4") if row.key.startswith("K_")]
     out = [row.key for row in rows if not liu.printed_stiffness_agrees(row, 0.0)]
     assert (len(rows), len(out)) == (19, 8)
     assert all(liu.printed_stiffness_agrees(row, 0.12) for row in rows)
@@ -138,8 +138,8 @@ def test_a_step_of_load_gives_all_stiffnesses_and_the_tangent_does_not() -> None
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
-    stiffer = replace(liu.calibrated_model(), stiffness=1.034 * liu.calibrated_model().stiffness)
-    stiffer = calibrate_compliance(stiffer, liu.printed_last_over_first_load(), liu.calibration_load())
+    stiffer = replace(liu.calibrated_axial_model(), stiffness=1.034 * liu.calibrated_axial_model().stiffness)
+    stiffer = calibrate_compliance(stiffer, liu.printed_last_over_first_load_ratio(), liu.calibration_load())
     assert solve_ball_screw(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_ball_screw(stiffer, liu.errors_of_ball_33(-2e-6), 5000.0).load[32] < 43.55 * 0.99
     assert liu.secant_stiffness_without_errors(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
@@ -148,8 +148,10 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
 
 def test_single_ball_by_hand() -> None:
     """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
-    first, last = liu.first_carrying_loads()
-    assert first == pytest.approx(liu.calibrated_model().slope * liu.calibrated_model().stiffness * 2e-6**1.5, rel=0.02)
+    first, last = liu.axial_loads_where_balls_become_loaded()
+    assert first == pytest.approx(
+        liu.calibrated_axial_model().approach_per_motion * liu.calibrated_axial_model().stiffness * 2e-6**1.5, rel=0.02
+    )
     assert first < last
     low, high = liu.load_change_range_of_other_balls(-2.0)
     assert 0.0 < low < high

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rollbench.compare.cases.liu import evidence, page
-from rollbench.compare.models.study import Study
+from rollbench.compare.models.study import SceneResultCache
 from rollbench.compare.scenes import catalogue
 from rollbench.lowfi.random_errors.chain import solve_ball_screw
 from rollbench.meshes.parts import Scene
@@ -19,19 +19,19 @@ def test_grooves_and_materials_of_screw_and_nut_are_alike_as_the_chain_takes_the
 
 
 def test_an_error_is_the_diameter_of_a_ball():
-    found = page.change_errors_and_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
+    found = page.with_ball_errors_and_axial_load(SCENE, evidence.errors_of_ball_33(2e-6), 1000.0)
     assert found.errors.balls.listed == ((33, 1e-6),)
     assert found.loads[0].force == (0.0, 0.0, 1000.0)
 
 
 def test_chain_shares_the_load_as_the_beam_does_on_average():
     errors = np.zeros(evidence.ball_count())
-    beam = Study().solve(page.change_errors_and_load(SCENE, errors, 5000.0)).load[:, 0]
-    axial = solve_ball_screw(page.axial_model_with_rigid_nut(SCENE).chain, errors, 5000.0).load
+    beam = SceneResultCache().solve_once(page.with_ball_errors_and_axial_load(SCENE, errors, 5000.0)).load[:, 0]
+    axial = solve_ball_screw(page.axial_model_inputs_with_rigid_nut(SCENE).liu_chain, errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
     turns, chain = (load.reshape(3, 26).mean(axis=1) for load in (beam, axial))
     assert turns == pytest.approx(chain, rel=0.01)
-    one = page.ModelLoads("none", 5000.0, axial, beam, beam)
-    rms, most, ball = one.difference_from_axial(beam)
+    one = page.LoadsByThreeModels("none", 5000.0, axial, beam, beam)
+    rms, most, ball = one.differences_of_axial_model(beam)
     assert 0.0 < rms < abs(most) < 5.0
     assert 1 <= ball <= evidence.ball_count()

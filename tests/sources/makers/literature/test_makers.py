@@ -42,10 +42,14 @@ def test_sets_of_equal_gaps_at_a_constant_angle() -> None:
 
 @pytest.mark.parametrize(("quantity", "number", "bias", "scatter"), [("preload", 80, 0.5, 1.0), ("rigidity", 77, 1.0, 2.0)])
 def test_nsk_sets_follow_from_their_pairs(quantity: str, number: int, bias: float, scatter: float) -> None:
-    values = [x for x in bearings.compare_nsk_bearing_sets() if x.quantity == quantity and not x.item.endswith(" DB")]
+    values = [x for x in bearings.compare_nsk_bearing_sets() if x.quantity == quantity and not x.part.endswith(" DB")]
     found = error_statistics(values)
-    assert (found.number, abs(found.bias) < bias, found.scatter < scatter) == (number, True, True)
-    wrong = [x.item for x in values if x.left == "a misprint"]
+    assert (found.count, abs(found.mean_error_percent) < bias, found.standard_deviation_percent < scatter) == (
+        number,
+        True,
+        True,
+    )
+    wrong = [x.part for x in values if x.left == "a misprint"]
     assert wrong == ([f"{bore}TAC47B C9 DBD" for bore in (15, 17, 20)] if quantity == "rigidity" else [])
 
 
@@ -55,13 +59,17 @@ def test_nsk_clearances_and_rigidities_without_a_free_parameter() -> None:
     assert (clear.size, np.sqrt((clear**2).mean()) < 0.6, (np.abs(clear) <= 1.0).mean() > 0.94) == (728, True, True)
     for quantity, number, bias, scatter in (("rigidity", 546, 0.6, 2.0), ("rating", 91, 0.1, 1.0)):
         of = error_statistics([x for x in found if x.quantity == quantity])
-        assert (of.number, abs(of.bias) < bias, of.scatter < scatter) == (number, True, True)
+        assert (of.count, abs(of.mean_error_percent) < bias, of.standard_deviation_percent < scatter) == (
+            number,
+            True,
+            True,
+        )
 
 
 def test_balls_come_back_from_their_ratings() -> None:
     ring = bearings.single_row_bearing_scene(14, 6e-3, 40e-3, np.radians(15.0))
     both = bearings.dynamic_rating(ring), bearings.static_rating(ring)
-    count, ball = bearings.balls_from_ratings(*both, 40e-3, np.radians(15.0))
+    count, ball = bearings.ball_count_and_diameter_from_ratings(*both, 40e-3, np.radians(15.0))
     assert (count, ball) == pytest.approx((14.0, 6e-3), rel=1e-4)
 
 
@@ -70,12 +78,15 @@ def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
     shares: dict[str, list[float]] = {}
     source = read_maker_table("nuts-hiwin")
     for row in source.rows:
-        if not source.lists_as_misprint(row["nut"]):
+        if not source.is_listed_as_misprint(row["nut"]):
             nut = nuts.nut_of_catalogue_row(source, row)
             dynamic, static = nuts.nut_load_ratings(nut, nuts.CONFORMITY, 1.0)
-            by_static, by_dynamic = source.number(row["C0"]) / static, (source.number(row["C"]) / dynamic) ** 1.5
-            shares.setdefault(nuts.maker_and_nut_type(source, row), []).append(by_static)
-            shares.setdefault(nuts.maker_and_nut_type(source, row) + " by C", []).append(by_dynamic)
+            by_static, by_dynamic = (
+                source.parse_number(row["C0"]) / static,
+                (source.parse_number(row["C"]) / dynamic) ** 1.5,
+            )
+            shares.setdefault(nuts.maker_and_rated_nut_type(source, row), []).append(by_static)
+            shares.setdefault(nuts.maker_and_rated_nut_type(source, row) + " by C", []).append(by_dynamic)
     middle = {name: float(np.median(x)) for name, x in shares.items()}
     for name, share in (("HIWIN, whole recirculation", 1.0), ("HIWIN, one-turn recirculation", 2.0 / 3.0)):
         assert middle[name] == pytest.approx(share, rel=0.03)
@@ -83,7 +94,7 @@ def test_two_ratings_of_a_nut_count_the_same_balls() -> None:
 
 
 def test_ratings_of_fewer_balls_and_more_turns() -> None:
-    one = nuts.CatalogueNut(6.35e-3, 41.4e-3, 10e-3, 1.0, short=False)
+    one = nuts.CatalogueNut(6.35e-3, 41.4e-3, 10e-3, 1.0, has_one_turn_circuits=False)
     full, half = nuts.nut_load_ratings(one, 0.52, 1.0), nuts.nut_load_ratings(replace(one, turns=3.0), 0.52, 0.5)
     assert half[0] / full[0] == pytest.approx(0.5 ** (2 / 3) * 3.0**0.86)
     assert half[1] / full[1] == pytest.approx(1.5)
@@ -101,7 +112,11 @@ def test_four_fifths_of_the_computed_rigidity_is_what_makers_print() -> None:
     errors = np.array([(x.practice or 0.0) / x.value - 1.0 for x in judged])
     assert (len(judged), abs(np.median(errors)) < 0.1, (np.abs(errors) < 0.2).mean() > 0.85) == (472, True, True)
     growth = error_statistics([x for x in nuts.compare_preloaded_nuts() if x.law == "growth with preload"])
-    assert (growth.number, abs(growth.bias) < 2.0, growth.scatter < 2.0) == (126, True, True)
+    assert (growth.count, abs(growth.mean_error_percent) < 2.0, growth.standard_deviation_percent < 2.0) == (
+        126,
+        True,
+        True,
+    )
 
 
 def test_turns_as_printed() -> None:
@@ -114,17 +129,17 @@ def test_turns_as_printed() -> None:
 
 def test_drag_torque_of_the_measured_screws() -> None:
     """New screws lie in the band of what is not printed; over the lead sliding grows less than all formulas but one."""
-    new = [x for x in nuts.compare_measured_drag_torques() if x.item.endswith("new")]
+    new = [x for x in nuts.compare_measured_drag_torques() if x.part.endswith("new")]
     assert [x.verdict for x in new] == ["in the band"] * 2
-    assert {x.cls for x in new} == {MEASURED}
-    rows = nuts.compare_drag_over_lead()
+    assert {x.kind_of_source for x in new} == {MEASURED}
+    rows = nuts.drag_torque_ratios_over_lead()
     grows = nuts.fit_power_exponent([r.single for r in rows], [r.lead for r in rows])
     assert 0.1 < grows < 0.2
     assert nuts.drag_torque_thk(3000.0, 41.75e-3, 10e-3) == pytest.approx(0.865, rel=2e-3)  # THK's example
 
 
 def test_all_values_and_their_table() -> None:
-    found = page.compared_published_values(STUDY)
+    found = page.all_published_values(STUDY)
     judged = [x for x in found if not x.left]
     assert len(judged) >= 1500
     assert {"contact load", "displacement", "pressure", "torque", "rigidity", "rating"} <= {x.quantity for x in judged}
@@ -139,7 +154,7 @@ def test_all_values_and_their_table() -> None:
 
 def test_section_says_its_conclusion_first() -> None:
     found = page.make_section(STUDY, lambda _: None)
-    judged = [x for x in page.compared_published_values(STUDY) if not x.left]
+    judged = [x for x in page.all_published_values(STUDY) if not x.left]
     assert found.conclusion.startswith(f"Of {len(judged)} values")
     assert "1020: a formula in disguise" in found.items[1].note
 
@@ -150,17 +165,21 @@ def test_half_of_the_last_step() -> None:
 
 
 def test_verdicts_and_what_does_not_count() -> None:
-    band = ComputedBand.within(100.0, 0.02)
+    band = ComputedBand.from_relative_half_width(100.0, 0.02)
     verdicts = [one(x, band).verdict for x in (97.4, 97.6, 102.4, 102.6)]
     assert verdicts == ["below the band", *2 * ["in the band"], "above the band"]
     formula = replace(one(97.0, band), left="a formula in disguise")
     assert formula.verdict == "a formula in disguise"
     assert error_statistics([formula]) is None
     both = error_statistics([one(80.0, band), one(125.0, band), formula])
-    assert (both.number, both.bias, both.scatter) == (2, pytest.approx(2.5), pytest.approx(22.5))
+    assert (both.count, both.mean_error_percent, both.standard_deviation_percent) == (
+        2,
+        pytest.approx(2.5),
+        pytest.approx(22.5),
+    )
 
 
 def test_numbers_as_tables_write_them() -> None:
-    assert MakerTable("x", {"decimal": ","}, ()).number("1 250,5") == 1250.5
-    assert MakerTable("x", {"thousands": ","}, ()).number("12,500") == 12500.0
-    assert MakerTable("x", {}, ()).number("\u00a02 150") == 2150.0
+    assert MakerTable("x", {"decimal": ","}, ()).parse_number("1 250,5") == 1250.5
+    assert MakerTable("x", {"thousands": ","}, ()).parse_number("12,500") == 12500.0
+    assert MakerTable("x", {}, ()).parse_number("\u00a02 150") == 2150.0

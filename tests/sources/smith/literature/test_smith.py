@@ -6,16 +6,16 @@ from tests.evidence_study import GROUP
 from tests.sources.entries import check, found, keys, of_source
 
 from rollbench.compare.cases.smith.evidence import axis, bearings
-from rollbench.compare.evidence import Findings
-from rollbench.compare.printed import load_table
+from rollbench.compare.evidence import ComputedEntryValues
+from rollbench.compare.printed import load_printed_table
 from rollbench.lowfi.bearings import as_printed
 from rollbench.lowfi.bearings.angular_contact import dimensionless_hertz_parameters
-from rollbench.lowfi.bearings.axis import solve_set_equilibrium
+from rollbench.lowfi.bearings.axis import solve_bearing_row_equilibrium
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = of_source("smith")
-AS_PRINTED = [f"{name}:{row.key}" for name in TABLES for row in load_table(name) if row.cls == "as-printed"]
+AS_PRINTED = [f"{name}:{row.key}" for name in TABLES for row in load_printed_table(name) if row.entry_class == "as-printed"]
 
 
 @pytest.mark.parametrize("key", keys(*TABLES))
@@ -27,7 +27,7 @@ def test_entry(key: str) -> None:
 def test_as_printed_in_that_mode_only(key: str) -> None:
     """Comes out with the faults repeated; the right value stands beside it and is another one."""
     f = found(key)
-    assert f.verdict == "only as printed", (f.as_printed, f.printed.printed)
+    assert f.verdict == "only as printed", (f.as_printed, f.printed.number_as_printed)
     assert f.value not in (None, f.as_printed)
     assert f.printed.value is not None
 
@@ -48,18 +48,18 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
 def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
     """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
     faulty, right = bearings.recompute_ball_spreadsheet(2040.0), bearings.recompute_ball_spreadsheet(2040.0, None)
-    assert right.differences[1] == pytest.approx(0.88444, abs=1e-5)
-    assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
+    assert right.curvature_differences[1] == pytest.approx(0.88444, abs=1e-5)
+    assert np.degrees(faulty.contact_angle) == pytest.approx(58.27003, abs=2e-3)
     assert right.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
-    assert right.stiffness / faulty.stiffness == pytest.approx(0.970, abs=5e-3)
+    assert right.load_constant / faulty.load_constant == pytest.approx(0.970, abs=5e-3)
 
 
 @pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])
 def test_fits(difference: float) -> None:
     delta, a, b = dimensionless_hertz_parameters(difference)
-    assert as_printed.hertz_parameter_by_polynomial(difference, "approach") == pytest.approx(delta, rel=0.02)
-    assert as_printed.hertz_parameter_by_polynomial(difference, "major") == pytest.approx(a, rel=0.02)
-    assert as_printed.hertz_parameter_by_polynomial(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
+    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "approach") == pytest.approx(delta, rel=0.02)
+    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "major") == pytest.approx(a, rel=0.02)
+    assert as_printed.hertz_parameter_by_smith_polynomial(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
     rows = bearings.DIFFERENCES[:-1]
     assert np.interp(difference, rows, [dimensionless_hertz_parameters(f)[0] for f in rows]) == pytest.approx(
         delta, rel=0.01
@@ -73,18 +73,18 @@ def test_sheet_s_curvature_differences() -> None:
 
 def test_rib_contact() -> None:
     """The area is pi a b, not a b; the printed ellipse and pressure carry 160 lbf, the roller's balance asks for 35."""
-    e = Findings("smith-3")
+    e = ComputedEntryValues("smith-3")
     a, b, area, peak = (e.printed(f"rib_{k}") for k in ("a", "b", "A", "sigma"))
     assert area == pytest.approx(a * b, rel=0.01)
     assert np.pi * a * b == pytest.approx(0.0040, abs=5e-5)
     assert 2.0 / 3.0 * np.pi * a * b * peak == pytest.approx(160.0, abs=1.0)
-    assert bearings.roller_contacts_under_thrust().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
+    assert bearings.roller_contacts_under_spreadsheet_thrust().rib_load / bearings.POUND == pytest.approx(35.0, abs=0.5)
 
 
 def test_first_approximations() -> None:
     """2.24 in pounds and inches: 9 % off the right deflection at the load of the sheets."""
     right = bearings.thrust_state_of_ball_bearing(bearings.SHEET_LOAD)
-    sine = float(np.sin(right.angle))
+    sine = float(np.sin(right.contact_angle))
     rough = 1.58e-5 * (2040.0 / (18 * sine)) ** 0.667 / (0.34375**0.333 * sine)
     assert rough * bearings.INCH / float(right.displacement) == pytest.approx(0.914, abs=5e-3)
 
@@ -97,16 +97,16 @@ def test_source_s_sharing_balances_too_much() -> None:
             preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
             pre = preload if kind == "ball" else (1500.0, 1500.0)
             after, loaded = (
-                s @ np.array(axis.row_loads_as_printed(kind, end, state, pre)) for state in ("stretch", "applied")
+                s @ np.array(axis.row_loads_by_smith_rule(kind, end, state, pre)) for state in ("stretch", "applied")
             )
             assert after == pytest.approx(1290.0)
             sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
             assert loaded - after == pytest.approx(sign * 1000.0)
             ours = [
-                float(s @ axis.bearing_state_at_end(kind, end, state).loads) / bearings.POUND
+                float(s @ axis.bearing_set_state_at_end(kind, end, state).row_thrusts) / bearings.POUND
                 for state in ("stretch", "applied")
             ]
-            assert ours[0] == pytest.approx(axis.screw_tension() / bearings.POUND, rel=1e-10)
+            assert ours[0] == pytest.approx(axis.tension_of_stretched_screw() / bearings.POUND, rel=1e-10)
             assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
 
 
@@ -124,31 +124,32 @@ def test_comparison_of_contact_areas_reverses() -> None:
 
 
 def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
-    low, high = bearings.taper_deflection_range()
-    assert 0.0004660 < low < bearings.taper_spreadsheet_deflection() < high
+    low, high = bearings.tapered_bearing_deflection_range()
+    assert 0.0004660 < low < bearings.tapered_bearing_spreadsheet_deflection() < high
 
 
 def test_unseating_takes_three_times_the_printed_load() -> None:
     """The outer row of the set is just loose there, and not before."""
-    limit = axis.carriage_load_at_lift_off(axis.REDUCED)
+    limit = axis.carriage_load_that_unloads_row(axis.REDUCED)
     assert limit / bearings.POUND == pytest.approx(645.5, abs=0.5)
     rows = bearings.bearing_rows_at_end("taper", "left", axis.REDUCED)
     before, after = (
-        solve_set_equilibrium(rows, axis.screw_tension() + 0.5 * limit * share).loads[0] for share in (0.999, 1.001)
+        solve_bearing_row_equilibrium(rows, axis.tension_of_stretched_screw() + 0.5 * limit * share).row_thrusts[0]
+        for share in (0.999, 1.001)
     )
     assert before > 0.0 == after
 
 
 def test_assumptions_matter_as_said() -> None:
     """Depth of the rings: 2.5 to 10 mm is 16 % of the tapered bearing's stiffness; nothing makes it 3.60e6."""
-    soft, stiff = (bearings.taper_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
+    soft, stiff = (bearings.tapered_bearing_stiffness(1500.0, depth) for depth in reversed(bearings.DEPTHS))
     assert stiff / soft == pytest.approx(1.163, abs=5e-3)
     assert soft > 1.4 * 3.60e6
 
 
 def test_stiffness_has_its_power_of_ten_in_its_value() -> None:
     """A value in its unit is the quantity: what is printed in 10^6 lbf/in is some 1e6 of them."""
-    stiff = [row for name in TABLES for row in load_table(name) if row.unit == "lbf/in"]
+    stiff = [row for name in TABLES for row in load_printed_table(name) if row.unit == "lbf/in"]
     assert len(stiff) > 22
     assert all(1e5 < row.value < 2e7 for row in stiff)
     assert found("smith-5:S_taper").printed.value == 1.355e6

@@ -10,8 +10,8 @@ from tests.sources.entries import of_source
 
 from rollbench.compare.cases.smith import page as smith
 from rollbench.compare.cases.smith.evidence import bearings
-from rollbench.compare.evidence import Findings
-from rollbench.compare.printed import load_table
+from rollbench.compare.evidence import ComputedEntryValues
+from rollbench.compare.printed import load_printed_table
 from rollbench.meshes import units
 
 pytestmark = pytest.mark.xdist_group(GROUP)
@@ -28,7 +28,7 @@ def test_every_unit_of_force_length_and_stiffness_is_readable():
     dimension = dict.fromkeys(("lbf", "N"), "force") | dict.fromkeys(("in", "mm", "uin"), "length")
     dimension |= dict.fromkeys(("deg", "rad"), "angle") | {"in-lbf": "moment", "lbf/in": "stiffness"}
     dimension |= {"psi": "pressure", "degF": "temperature difference"}
-    used = Counter(row.unit for name in of_source("smith") for row in load_table(name) if row.printed)
+    used = Counter(row.unit for name in of_source("smith") for row in load_printed_table(name) if row.number_as_printed)
     for unit in used:
         if unit in dimension:
             assert units.parse_quantity(f"1 {unit}", dimension[unit]) > 0.0
@@ -49,9 +49,9 @@ def test_every_unit_of_force_length_and_stiffness_is_readable():
 
 
 def test_case_in_si():
-    b, t = bearings.ball_bearing(), bearings.taper_bearing()
+    b, t = bearings.smith_ball_bearing(), bearings.smith_tapered_bearing()
     assert b.ball_diameter == pytest.approx(8.73125e-3, rel=1e-12)
     assert t.cup_angle == pytest.approx(np.radians(30.8))
     assert pytest.approx(4.4482216152605 / 0.0254) == bearings.POUND_PER_INCH
     with pytest.raises(KeyError, match="four_times"):
-        Findings("smith-5").printed("four_times")
+        ComputedEntryValues("smith-5").printed("four_times")
