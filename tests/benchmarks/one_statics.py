@@ -57,7 +57,7 @@ def by_forces(scene):
 
 def loads_of(result):
     """Loads (N, 4) [N] of the balls of all sets."""
-    return np.concatenate([b.load for b in result.of_balls()])
+    return np.concatenate([b.load for b in result.ball_results()])
 
 
 def members_by_rows(scene):
