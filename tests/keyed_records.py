@@ -13,7 +13,7 @@ from rollbench.compare.scenes.friction_kinds.bearings import (
     LinearChainScene,
     LinearPairScene,
 )
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewSimulationScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.hifi.meshing.settings import Settings
 from rollbench.hifi.rolling.bodies import Sizes
 from rollbench.meshes.axis import Assembly
@@ -24,7 +24,7 @@ from rollbench.meshes.solid import Dimensions
 #: Records that hold all others.
 ROOTS = (
     *(Scene, Assembly, Dimensions, Settings, Sizes, BearingBallScene, BearingPairScene, LinearChainScene, LinearPairScene),
-    *(ScrewPairScene, ScrewSimulationScene, GrooveMap),
+    *(ScrewPairScene, ScrewRunScene, GrooveMap),
 )
 
 

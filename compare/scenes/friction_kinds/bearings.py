@@ -90,12 +90,12 @@ class BearingBallScene(FrictionScene):
 
     kind: ClassVar[str] = "bearing ball"
     bearing: Bearing
-    axial_force: float
-    radial_displacement: float
-    friction_law: Law
-    regularisation_speed: float
+    force: float
+    displacement: float
+    law: Law
+    creep: float
     sharpness: float
-    friction_table_step: float | None
+    map_step: float | None
 
 
 def bearing_ball_faults(keys: BearingBallKeys) -> Iterator[Fault]:
@@ -226,7 +226,7 @@ class BearingPairScene(FrictionScene):
     kind: ClassVar[str] = "bearing pair"
     four_point: BearingCase
     double_row: BearingCase
-    force_angles: Array
+    angle: Array
 
 
 def bearing_pair_faults(keys: BearingPairKeys) -> Iterator[Fault]:
@@ -381,7 +381,7 @@ class LinearPairScene(LinearBearingScene):
     """Scene of two balls in a linear bearing whose bottom contact angles deviate by ``deviation`` [rad]."""
 
     kind: ClassVar[str] = "linear pair"
-    angle_deviation: float
+    deviation: float
 
 
 @dataclass(frozen=True)

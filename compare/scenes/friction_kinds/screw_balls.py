@@ -125,15 +125,15 @@ class ScrewPairScene(FrictionScene):
     """Scene of two neighbouring balls of a ball screw that touch each other."""
 
     kind: ClassVar[str] = "screw pair"
-    ball_pair: Pair
+    pair: Pair
 
 
 @dataclass(frozen=True)
-class ScrewSimulationScene(FrictionScene):
+class ScrewRunScene(FrictionScene):
     """Scene of a whole ball screw that turns for some time."""
 
     kind: ClassVar[str] = "screw run"
-    simulation: Run
+    run: Run
     time: Time
 
 
@@ -226,7 +226,7 @@ def screw_pair_scene(keys: ScrewPairKeys, name: str) -> ScrewPairScene:
     return ScrewPairScene(*name_title_source_and_assumptions(keys, name), pair)
 
 
-def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewSimulationScene:
+def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewRunScene:
     """Return the scene ``name`` of a ball screw simulated over time from the validated keys of its file."""
     groove, a = _screw_groove_from_keys(keys), keys.angles
     time = Time(**{f.name: getattr(keys.time, f.name) for f in fields(Time)})
@@ -249,4 +249,4 @@ def screw_run_scene(keys: ScrewSimulationKeys, name: str) -> ScrewSimulationScen
         keys.time.rounds,
         a.follows,
     )
-    return ScrewSimulationScene(*name_title_source_and_assumptions(keys, name), run, time)
+    return ScrewRunScene(*name_title_source_and_assumptions(keys, name), run, time)

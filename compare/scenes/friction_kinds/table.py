@@ -27,7 +27,7 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import (
     ScrewPairKeys,
     ScrewPairScene,
     ScrewSimulationKeys,
-    ScrewSimulationScene,
+    ScrewRunScene,
 )
 from rollbench.compare.scenes.keys import schema_without_null
 from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
@@ -107,11 +107,11 @@ def scene_file_tables_of_friction_scene(scene: FrictionScene) -> Table:
             return head | _linear_bearing_tables(scene)
         case ScrewPairScene():
             angles = {
-                "deviations": [value_with_unit_text(Theta, x) for x in scene.ball_pair.theta],
-                "pattern": [*scene.ball_pair.pattern[0]],
+                "deviations": [value_with_unit_text(Theta, x) for x in scene.pair.theta],
+                "pattern": [*scene.pair.pattern[0]],
             }
-            return head | _shared_screw_tables(scene.ball_pair.groove, scene.ball_pair, angles)
-        case ScrewSimulationScene():
+            return head | _shared_screw_tables(scene.pair.groove, scene.pair, angles)
+        case ScrewRunScene():
             return head | _screw_run_tables(scene)
     raise AssertionError(scene.kind)
 
@@ -150,17 +150,17 @@ def _hertz_table(groove: ScrewGroove) -> Table:
 def _bearing_ball_tables(scene: BearingBallScene) -> Table:
     """Return the tables of the scene file of one bearing ball."""
     b = scene.bearing
-    creep = value_with_unit_text(Creep, scene.regularisation_speed) if scene.regularisation_speed else None
+    creep = value_with_unit_text(Creep, scene.creep) if scene.creep else None
     law = without_empty_values(
-        law=scene.friction_law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.friction_table_step
+        law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step
     )
     return {
         "material": _material_table(b.young, b.poisson),
         **_track_and_groove_tables(b, 0.0 - b.clearance),
         **_hertz_table(b),
         "load": {
-            "axial_force": value_with_unit_text(Force, scene.axial_force),
-            "radial_displacement": value_with_unit_text(Deviation, scene.radial_displacement),
+            "axial_force": value_with_unit_text(Force, scene.force),
+            "radial_displacement": value_with_unit_text(Deviation, scene.displacement),
         },
         "motion": {"speed": value_with_unit_text(Turning, b.screw_speed)},
         "friction": {"coefficient": b.mu, **law},
@@ -176,7 +176,7 @@ def _bearing_pair_tables(scene: BearingPairScene) -> Table:
     rows = {"distance": value_with_unit_text(Size, second.place - first.place), "arrangement": arrangement}
     load = {
         "force": value_with_unit_text(Force, four.force),
-        "angles": [value_with_unit_text(ContactAngle, float(x)) for x in scene.force_angles],
+        "angles": [value_with_unit_text(ContactAngle, float(x)) for x in scene.angle],
     }
     return {
         "material": _material_table(groove.young, groove.poisson),
@@ -208,9 +208,9 @@ def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
         "friction": {"coefficient": b.mu} | ({} if b.mu_balls == b.mu else {"balls": b.mu_balls}),
     }
     if isinstance(scene, LinearPairScene):
-        mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.angle_deviation), mated=True)
+        mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.deviation), mated=True)
         angles = {
-            "deviation": value_with_unit_text(Theta, scene.angle_deviation),
+            "deviation": value_with_unit_text(Theta, scene.deviation),
             "mated": bool(np.array_equal(mated, scene.contact_angles)),
         }
         return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side_force_ratios[0])}}
@@ -251,9 +251,9 @@ def _shared_screw_tables(groove: ScrewGroove, pair_or_run: Any, angles: Table) -
     }
 
 
-def _screw_run_tables(scene: ScrewSimulationScene) -> Table:
+def _screw_run_tables(scene: ScrewRunScene) -> Table:
     """Return the tables of the scene file for a transient simulation of a whole ball screw."""
-    run = scene.simulation
+    run = scene.run
     angles: Table = {"amplitude": value_with_unit_text(Theta, run.amplitude), "cycles_per_turn": run.cycles}
     angles |= {"phase": value_with_unit_text(Azimuth, run.phase), "pattern": [*run.pattern], "follows": run.follows}
     table, radius = _shared_screw_tables(run.groove, run, angles), run.groove.radius

@@ -15,7 +15,7 @@ import numpy as np
 from rollbench.compare.quantities import json_number
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewSimulationScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.compare.studies.friction import answer
 from rollbench.compare.studies.friction.answer import FrictionAnswer
 from rollbench.compare.studies.friction.linear_kinds import solve_friction_of_linear_bearing
@@ -104,7 +104,7 @@ def status_of_two_screw_balls(result: ScrewPairSolution) -> str:
 
 def solve_friction_of_two_screw_balls(scene: ScrewPairScene) -> answer.FrictionAnswer:
     """Solve two balls of a ball screw; return forces, losses, and how contact between the balls changes the friction."""
-    pair = scene.ball_pair
+    pair = scene.pair
     r = solve_pair_of_screw_balls(pair)
     m, apart, rows, chains = r.touching.motion, r.apart.motion.loss, json_rows_of_two_screw_balls(r), (r.apart, r.touching)
     bound, ball_loss = full_sliding_loss(pair.groove, r.touching.loads_with_friction.force), float(m.ball_loss.sum())
@@ -235,9 +235,9 @@ def screw_run_series_json(history: TravelHistory) -> dict[str, list[Any]]:
     return out | {"converged": history.converged.tolist()}
 
 
-def simulate_screw_over_time(scene: ScrewSimulationScene) -> answer.FrictionAnswer:
+def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
     """Simulate a whole screw over time; return contacts between balls, torques and energy."""
-    run, time = scene.simulation, scene.time
+    run, time = scene.run, scene.time
     in_time = simulation_with_status(
         *simulate_with_several_step_sizes(run, Motion(run.groove.speed), time, scene.name), time
     )
@@ -311,11 +311,11 @@ def bearing_ball_motion(scene: BearingBallScene, problem: BodyMotionProblem) -> 
     of least dissipation. For other laws it is the root of the equations that the solver finds from that motion.
     """
     first = least_dissipation(problem)
-    if scene.friction_law == "coulomb":
+    if scene.law == "coulomb":
         return first
-    if scene.friction_law == "regularised":
-        return motion_by_root(problem, RegularisedCoulombLaw(scene.regularisation_speed), first.unknown_velocities)
-    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.friction_table_step)
+    if scene.law == "regularised":
+        return motion_by_root(problem, RegularisedCoulombLaw(scene.creep), first.unknown_velocities)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
     found = motion_by_root(problem, law, first.unknown_velocities)
     return found if found.status == "exact" else motion_by_sharpened_sigmoids(problem, law, first.unknown_velocities)
 
@@ -386,7 +386,7 @@ CONTACT_COLUMNS = (
 def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAnswer:
     """Solve contact loads and friction of one ball of a bearing; return them with losses and torque on the inner ring."""
     b = scene.bearing
-    load = bearing.contact_loads_of_ball(b, scene.axial_force, scene.radial_displacement)
+    load = bearing.contact_loads_of_ball(b, scene.force, scene.displacement)
     rough = replace(b, mu=b.mu or 1.0)
     at = bearing.ball_contacts(rough, load)
     motion = bearing_ball_motion(scene, bearing.ball_motion_problem(rough, load, at))
@@ -406,7 +406,7 @@ def solve_friction_of_bearing_ball(scene: BearingBallScene) -> answer.FrictionAn
     data = answer.json_entries_of_all_kinds(
         scene, status_of_bearing_ball(bool(held.any()), load.converged, motion.status), converged
     ) | {
-        "law": scene.friction_law,
+        "law": scene.law,
         "hertz": answer.scene_word_for_hertz_constants(b.hertz),
         "coupled": False,
         "balls": [ball],
@@ -487,7 +487,7 @@ def unresisted_motions(scene: BearingPairScene) -> list[str]:
     """
     out = []
     for name, case in (("four-point", scene.four_point), ("double row", scene.double_row)):
-        for angle in scene.force_angles:
+        for angle in scene.angle:
             free = describe_unresisted_motion(case, float(angle))
             if free:
                 where = f"load at {np.degrees(angle):.4g} deg"
@@ -500,7 +500,7 @@ def solve_friction_of_two_bearings(scene: BearingPairScene) -> answer.FrictionAn
 
     The energy balance is the mean over all load angles and both bearings.
     """
-    case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.force_angles)]
+    case, angle = scene.four_point, [json_number(a) for a in np.degrees(scene.angle)]
     common = {
         "law": "coulomb",
         "hertz": answer.scene_word_for_hertz_constants(case.groove.hertz),
@@ -525,7 +525,7 @@ def _answer_on_two_bearings(scene: BearingPairScene, common: dict[str, Any]) -> 
     ``common``: JSON entries that are known before the solution, such as the load angles.
     """
     cases = scene.four_point, scene.double_row
-    by_case = [solve_bearing_over_force_angles(case, scene.force_angles) for case in cases]
+    by_case = [solve_bearing_over_force_angles(case, scene.angle) for case in cases]
     four, double = (bearing_torques_json(case, states) for case, states in zip(cases, by_case, strict=True))
     good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
     status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"

@@ -179,7 +179,7 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz
     constants, friction that moves the screw, and a groove at rest.
     """
-    pair, g = scene.ball_pair, scene.ball_pair.groove
+    pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
         _refuse_scene(
             scene,
@@ -252,7 +252,7 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
     than the exact ones, and a ring at rest.
     """
     b = scene.bearing
-    if scene.friction_law != "coulomb" or b.hertz != "right":
+    if scene.law != "coulomb" or b.hertz != "right":
         _refuse_scene(
             scene,
             "friction.law",
@@ -272,8 +272,8 @@ def _bearing_case(scene: BearingBallScene) -> RollingCase:
         hertz_constants(layout, material)[None],
         outward < 0.0,
         np.array([[[1.0], [0.0]]]),
-        np.array([[0.0, scene.radial_displacement]]),
-        np.array([scene.axial_force]),
+        np.array([[0.0, scene.displacement]]),
+        np.array([scene.force]),
         np.zeros((1, 2)),
     )
     loads = solve_static_problem(cell)

@@ -95,7 +95,7 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
     Values have names that end in the unit, such as "force 1-2 N".
     """
-    found = solve_pair_of_screw_balls(scene.ball_pair)
+    found = solve_pair_of_screw_balls(scene.pair)
     apart, near = found.apart.motion, found.touching.motion
     out = {"force 1-2 N": found.force}
     out |= {f"orbit {k + 1} apart rad/s": float(q[0]) for k, q in enumerate(apart.q)}
@@ -109,7 +109,7 @@ def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str
 
     Values have names that end in the unit, such as "torque N mm".
     """
-    found = solve_ball_of_bearing(scene.bearing, scene.axial_force, scene.radial_displacement)
+    found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.unknown_velocities, found.motion.friction.loss
     out = {"orbit rad/s": float(q[0]), "omega x rad/s": float(q[1]), "omega y rad/s": float(q[2])}
     out |= {f"loss {n} mW": 1e3 * float(v) for n, v, f in zip(SIDES, loss, found.load.force, strict=True) if f > 0.0}

@@ -42,7 +42,7 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     with pytest.raises(SceneError, match=words):
         catalogue.scene("lin-pair-a")
     with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
-        catalogue.shipped_scene_of_kind("lin-pair-a", screw_balls.ScrewSimulationScene)
+        catalogue.shipped_scene_of_kind("lin-pair-a", screw_balls.ScrewRunScene)
     path = tmp_path / "mine.toml"
     path.write_text(catalogue.shipped_scene_text("lin-pair-a"))
     with pytest.raises(SceneError, match="rollbench friction"):

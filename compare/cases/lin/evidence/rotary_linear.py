@@ -36,18 +36,18 @@ from rollbench.meshes.arrays import Array
 from rollbench.reports.content import Row, TableColumn
 
 #: Inputs of the rotary bearing (Table 3.1) and the linear bearing (Table 3.3).
-ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").axial_force
+ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").force
 LINEAR, VERTICAL, SIDE = (
     source_cases.linear_ball_pair_scene().bearing,
     source_cases.linear_ball_pair_scene().vertical_force,
     float(source_cases.linear_ball_pair_scene().side_force_ratios[0]),
 )
 THETA, WORST = (
-    source_cases.linear_ball_pair_scene().angle_deviation,
-    source_cases.linear_ball_pair_scene(source_cases.LINEAR_WORST).angle_deviation,
+    source_cases.linear_ball_pair_scene().deviation,
+    source_cases.linear_ball_pair_scene(source_cases.LINEAR_WORST).deviation,
 )
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
-CASES = {name: source_cases.rotary_ball_scene(name).radial_displacement for name in source_cases.ROTARY_SCENES}
+CASES = {name: source_cases.rotary_ball_scene(name).displacement for name in source_cases.ROTARY_SCENES}
 #: Slope that Lin prints: friction force over its largest value, per distance of the spin pole from the contact's centre
 #: over the major semi-axis.
 K_F = source_cases.printed_friction_slope()
@@ -55,7 +55,7 @@ K_F = source_cases.printed_friction_slope()
 PRINTED_LAW = lin_sigmoid_law(
     ROTARY,
     source_cases.rotary_ball_scene("I", printed=True).sharpness,
-    source_cases.rotary_ball_scene("I", printed=True).friction_table_step,
+    source_cases.rotary_ball_scene("I", printed=True).map_step,
 )
 #: Ways in which the contact loads are computed, see `solve_linear_pair`.
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
@@ -73,8 +73,8 @@ def solve_rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
     It uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
     scene = source_cases.rotary_ball_scene(case, printed=True)
-    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.friction_table_step)
-    return bearing.solve_ball_by_lin_method(scene.bearing, scene.axial_force, scene.radial_displacement, law, fast=True)
+    law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)
+    return bearing.solve_ball_by_lin_method(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
@@ -293,7 +293,7 @@ def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
         scene = source_cases.linear_ball_pair_scene(name)
-        top = (scene.contact_angles[0, 2:] - scene.bearing.contact_angle) / scene.angle_deviation  # at TR and TL
+        top = (scene.contact_angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"

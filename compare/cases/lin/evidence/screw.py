@@ -56,7 +56,7 @@ from rollbench.reports.content import Row, TableColumn
 THETA = {name: degrees(source_cases.second_ball_angle_deviation(name)) for name in source_cases.PAIR_SCENES}
 AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load to the bearing's axis in section 4.3.1.
-ANGLES = source_cases.four_point_and_double_row_scene().force_angles
+ANGLES = source_cases.four_point_and_double_row_scene().angle
 #: Permitted error of the torque by the time step of a simulation, over the mean torque.
 STEP_GOAL = 0.003
 #: Grid level, the finest, of the stored 3D results of two touching balls.
@@ -76,7 +76,7 @@ def solve_screw_ball_pair(case: str, interpretation: Literal["plain", "inferred"
     was inferred from the printed results. Returns the solutions with and without ball-to-ball contact.
     """
     return solve_pair_of_screw_balls(
-        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).ball_pair
+        case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (interpretation == "inferred"), ScrewPairScene).pair
     )
 
 

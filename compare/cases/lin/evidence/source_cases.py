@@ -15,7 +15,7 @@ from rollbench.compare.reference.store import shipped_store
 from rollbench.compare.scenes.catalogue import shipped_scene_of_kind
 from rollbench.compare.scenes.friction_kinds.bearings import BearingBallScene, BearingPairScene, LinearPairScene
 from rollbench.compare.scenes.friction_kinds.common import FrictionScene
-from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewSimulationScene
+from rollbench.compare.scenes.friction_kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from rollbench.lowfi.friction.bearing import BearingCase
 from rollbench.lowfi.friction.screw.groove import ScrewGroove
 from rollbench.lowfi.friction.screw.run import Pair, Run
@@ -70,7 +70,7 @@ def screw_pair_as_printed(theta: float | None = None) -> Pair:
 
     ``theta``: deviation of the second ball's contact angle [rad], if it differs from the scene's.
     """
-    return _replace_second_angle_deviation(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).ball_pair, theta)
+    return _replace_second_angle_deviation(shipped_scene_of_kind(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
 def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
@@ -80,7 +80,7 @@ def screw_pair_with_inferred_oversize(theta: float | None = None) -> Pair:
     scene's.
     """
     return _replace_second_angle_deviation(
-        shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).ball_pair, theta
+        shipped_scene_of_kind(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta
     )
 
 
@@ -91,7 +91,7 @@ def _replace_second_angle_deviation(pair: Pair, theta: float | None) -> Pair:
 
 def second_ball_angle_deviation(name: str) -> float:
     """Return the deviation of the second ball's contact angle [rad] in a case of Lin's Table 3.7; ``name``: "a" or "b"."""
-    return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).ball_pair.theta[1]
+    return shipped_scene_of_kind(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
@@ -120,7 +120,7 @@ def simulation_inputs_by_theta_amplitude(theta_amplitude: float) -> Run:
 
     ``theta_amplitude``: amplitude of theta, the deviation of the contact angles from nominal, 2 or 3 [deg].
     """
-    return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewSimulationScene).simulation
+    return shipped_scene_of_kind(RUN_SCENES[theta_amplitude], ScrewRunScene).run
 
 
 def four_point_and_double_row_scene() -> BearingPairScene:
