@@ -369,11 +369,11 @@ class LinearBearingScene(FrictionScene):
     """
 
     bearing: LinearBearing
-    contact_angles: Array
-    vertical_force: float
-    side_force_ratios: Array
-    load_distribution: Loads
-    ball_gaps: Array
+    angles: Array
+    vertical: float
+    side: Array
+    distribution: Loads
+    gap: Array
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,7 @@ def _tables_of_one_bearing(case: BearingCase) -> Table:
 def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
     """Return the tables of the scene file of balls in a linear bearing."""
     b = scene.bearing
-    load = {"vertical_force": value_with_unit_text(Force, scene.vertical_force), "distribution": scene.load_distribution}
+    load = {"vertical_force": value_with_unit_text(Force, scene.vertical), "distribution": scene.distribution}
     table = {
         "material": _material_table(b.young, b.poisson),
         "track": {"contact_angle": value_with_unit_text(ContactAngle, b.contact_angle)},
@@ -211,9 +211,9 @@ def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
         mated = b.contact_angle + contact_angle_deviations(np.full(2, scene.deviation), mated=True)
         angles = {
             "deviation": value_with_unit_text(Theta, scene.deviation),
-            "mated": bool(np.array_equal(mated, scene.contact_angles)),
+            "mated": bool(np.array_equal(mated, scene.angles)),
         }
-        return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side_force_ratios[0])}}
+        return table | {"angles": angles, "load": load | {"side_force_ratio": float(scene.side[0])}}
     chain = [
         {
             "side_force_ratio": float(side),
@@ -222,7 +222,7 @@ def _linear_bearing_tables(scene: LinearBearingScene) -> Table:
             ],
             "gap": value_with_unit_text(Clearance, float(gap)),
         }
-        for side, row, gap in zip(scene.side_force_ratios, scene.contact_angles, [*scene.ball_gaps, 0.0], strict=True)
+        for side, row, gap in zip(scene.side, scene.angles, [*scene.gap, 0.0], strict=True)
     ]
     return table | {"load": load, "chain": chain}
 

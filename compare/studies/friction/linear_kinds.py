@@ -58,26 +58,26 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
     Refusal
         If contact angles that follow the loads allow no equilibrium.
     """
-    if scene.load_distribution == "elastic":
+    if scene.distribution == "elastic":
         try:
             force, angles = loads_of_elastic_contacts(
-                scene.bearing, scene.contact_angles, scene.vertical_force, scene.side_force_ratios
+                scene.bearing, scene.angles, scene.vertical, scene.side
             )
         except ArithmeticError as error:
             advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise SceneNotCoveredError(scene.name, "load", str(error), advice) from error
-    elif scene.load_distribution == "balanced":
+    elif scene.distribution == "balanced":
         angles, force = (
-            scene.contact_angles,
-            loads_in_equilibrium(scene.contact_angles, scene.vertical_force, scene.side_force_ratios),
+            scene.angles,
+            loads_in_equilibrium(scene.angles, scene.vertical, scene.side),
         )
     else:
-        rows = loads_equal_on_diagonals(scene.vertical_force, scene.side_force_ratios, scene.bearing.contact_angle)
-        angles, force = scene.contact_angles, rows
+        rows = loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
+        angles, force = scene.angles, rows
     pushes = force[..., None] * contact_directions(angles)
-    carriage = scene.vertical_force * np.stack([scene.side_force_ratios, -np.ones_like(scene.side_force_ratios)], axis=-1)
+    carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
     left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
-    return angles, force, float(np.abs(left).max()) / scene.vertical_force
+    return angles, force, float(np.abs(left).max()) / scene.vertical
 
 
 def json_rows_of_linear_balls(
@@ -91,7 +91,7 @@ def json_rows_of_linear_balls(
     """
     rows = []
     for k in range(force.shape[0]):
-        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side_force_ratios[k])}
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": json_number(scene.side[k])}
         row |= answer.ball_loads_json(CONTACTS, force[k], angles[k])
         for name, r in (("apart", apart), ("touching", touching)):
             row[f"velocity_{name}_mm_s"] = json_number(1e3 * r.velocity[k])
@@ -115,18 +115,18 @@ def json_rows_of_neighbouring_balls(scene: LinearBearingScene, touching: LinearC
             "force_N": json_number(touching.ball_force[k]),
             "loss_mW": json_number(1e3 * touching.ball_loss[k]),
         }
-        for k, gap in enumerate(scene.ball_gaps)
+        for k, gap in enumerate(scene.gap)
     ]
 
 
 def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.FrictionAnswer:
     """Solve motion and friction of a row of balls in a linear bearing, both far apart and with balls that touch."""
     angles, force, left = linear_bearing_loads(scene)
-    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.ball_gaps <= 0.0)]
+    chains = [prepare_linear_chain(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0)]
     fast = force.shape[0] > LONG
     apart, near = (solve_linear_chain(chain, fast=fast) for chain in chains)
     second = find_second_equilibrium(chains[1], near, fast) if near.status == "converged" else None
-    loads_good = scene.load_distribution == "diagonal" or left <= BALANCED
+    loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = (
         json_rows_of_linear_balls(scene, angles, force, apart, near),
@@ -139,7 +139,7 @@ def solve_friction_of_linear_bearing(scene: LinearBearingScene) -> answer.Fricti
         scene, near.status if loads_good else "no balance of the loads found", converged
     ) | {
         "law": "coulomb",
-        "distribution": scene.load_distribution,
+        "distribution": scene.distribution,
         "coupled": False,
         "balls": balls,
         "pairs": pairs,

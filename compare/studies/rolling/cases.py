@@ -107,7 +107,7 @@ def _contact_directions(angles: Array, signs: Array) -> Array:
 
 def _linear_case(scene: LinearBearingScene) -> RollingCase:
     """Return the balls of a linear bearing as input of the 3D model; raise Refusal for too many balls or no motion."""
-    b, count = scene.bearing, len(scene.side_force_ratios)
+    b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse_scene(
             scene, "chain", f"{count} balls are more than the {MOST} of the 3D model of rolling", "take fewer balls"
@@ -115,19 +115,19 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
     if b.speed == 0.0:
         _refuse_scene(scene, "motion.carriage", "balls at rest do not roll", "let the carriage move")
     layout = place_balls_on_straight_track(
-        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.ball_gaps) <= 0.0
+        b.ball_radius, 2.0 * b.conformity * b.ball_radius, count, MOVING, b.speed, np.asarray(scene.gap) <= 0.0
     )
     material = RollingMaterial(b.young, b.poisson, b.mu, b.mu_balls)
-    normals = _contact_directions(scene.contact_angles, LINEAR)
-    if scene.load_distribution == "elastic":
+    normals = _contact_directions(scene.angles, LINEAR)
+    if scene.distribution == "elastic":
         found = [
             _loads_with_elastic_angles(scene, layout, material, n, float(r))
-            for n, r in zip(normals, scene.side_force_ratios, strict=True)
+            for n, r in zip(normals, scene.side, strict=True)
         ]
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
         loads = np.array(
-            [_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side_force_ratios, strict=True)]
+            [_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)]
         )
     whole = create_rolling_balls(layout, material, normals, loads)
     return RollingCase(
@@ -142,9 +142,9 @@ def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float
     those of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical
     force.
     """
-    if scene.load_distribution == "diagonal":
+    if scene.distribution == "diagonal":
         normals = _contact_directions(np.full(4, scene.bearing.contact_angle), LINEAR)
-    carriage = scene.vertical_force * np.array([rho, -1.0])
+    carriage = scene.vertical * np.array([rho, -1.0])
     bottom, top = np.linalg.solve(normals[:2].T, carriage), np.linalg.solve(normals[2:].T, -carriage)
     return np.asarray(np.maximum(np.concatenate([bottom, top]), 0.0))
 
@@ -158,7 +158,7 @@ def _loads_with_elastic_angles(
     vertical force.
     """
     C = hertz_constants(layout, material)
-    pull = scene.vertical_force * np.array([rho, -1.0])
+    pull = scene.vertical * np.array([rho, -1.0])
     reach = layout.groove_radius - layout.ball_radius
     none = np.zeros((1, 2))
     cell = StaticProblem(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)

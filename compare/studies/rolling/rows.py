@@ -80,7 +80,7 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
     angles, force, _ = linear_bearing_loads(scene)
     apart, near = (
         solve_linear_chain(prepare_linear_chain(scene.bearing, angles, force, t), fast=False)
-        for t in (False, scene.ball_gaps <= 0.0)
+        for t in (False, scene.gap <= 0.0)
     )
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.velocity_deviation)}

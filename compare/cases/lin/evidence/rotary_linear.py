@@ -39,8 +39,8 @@ from rollbench.reports.content import Row, TableColumn
 ROTARY, AXIAL = source_cases.rotary_ball_scene("I").bearing, source_cases.rotary_ball_scene("I").force
 LINEAR, VERTICAL, SIDE = (
     source_cases.linear_ball_pair_scene().bearing,
-    source_cases.linear_ball_pair_scene().vertical_force,
-    float(source_cases.linear_ball_pair_scene().side_force_ratios[0]),
+    source_cases.linear_ball_pair_scene().vertical,
+    float(source_cases.linear_ball_pair_scene().side[0]),
 )
 THETA, WORST = (
     source_cases.linear_ball_pair_scene().deviation,
@@ -293,7 +293,7 @@ def table_3_4(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     findings.numbers({"theta": degrees(THETA), "rho": SIDE})
     for case, name in (("a", source_cases.LINEAR_PAIR), ("b", source_cases.LINEAR_MATED)):
         scene = source_cases.linear_ball_pair_scene(name)
-        top = (scene.contact_angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
+        top = (scene.angles[0, 2:] - scene.bearing.contact_angle) / scene.deviation  # at TR and TL
         findings.numbers({f"{case}_TR": float(top[0]), f"{case}_TL": float(top[1])})
     for case, ball in product("ab", (1, 2)):
         mated = case == "b"
