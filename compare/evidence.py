@@ -134,9 +134,9 @@ class ComputedEntryValues:
 
     Examples
     --------
-    >>> findings = Findings("lin-2.2")
-    >>> findings.remark("time_proposed_1", "another machine")
-    >>> [e.words for e in findings.evidence() if e.words]
+    >>> findings = ComputedEntryValues("lin-2.2")
+    >>> findings.add_remark("time_proposed_1", "another machine")
+    >>> [e.remark for e in findings.comparisons() if e.remark]
     ['another machine']
     """
 
@@ -183,7 +183,9 @@ class ComputedEntryValues:
         KeyError
             If the table has no such key.
         """
-        self._set_fields(key, value=value, as_printed=as_printed, reading=reading, reference=reference, words=words)
+        self._set_fields(
+            key, value=value, as_printed=as_printed, value_by_inferred_assumption=reading, reference=reference, remark=words
+        )
 
     def numbers(self, values: Mapping[str, float]) -> None:
         """Add the correct values computed for several printed numbers, by key; KeyError for an unknown key."""
@@ -196,11 +198,11 @@ class ComputedEntryValues:
 
     def add_claim(self, key: str, holds: bool, words: str) -> None:
         """Add whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
-        self._set_fields(key, holds=bool(holds), words=words)
+        self._set_fields(key, claim_is_true=bool(holds), remark=words)
 
     def add_remark(self, key: str, words: str) -> None:
         """Add a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
-        self._set_fields(key, words=words)
+        self._set_fields(key, remark=words)
 
     def comparisons(self) -> tuple[PrintedEntryComparison, ...]:
         """Return every number and claim of the printed table with its computed values and verdict, in the table's order."""

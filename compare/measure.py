@@ -151,7 +151,7 @@ def mask_of_loaded_contacts(load: Array) -> Mask:
 
     Examples
     --------
-    >>> loaded_contacts(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
+    >>> mask_of_loaded_contacts(np.array([358.0, 358.0, 0.2, 0.0])).tolist()
     [True, True, False, False]
     """
     return np.asarray(load > BARELY * load.max(initial=0.0))

@@ -619,7 +619,7 @@ def von_mises_below_hertz_contact(contact: HertzSolution, depth: Array, poisson:
 
     Examples
     --------
-    >>> ball = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
+    >>> ball = solve_hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
     >>> f"{von_mises_below_hertz_contact(ball, np.array([0.481 * ball.semi_x]), 0.3)[0] / ball.pole_pressure:.3f}"
     '0.620'
     """

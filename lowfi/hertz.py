@@ -163,7 +163,7 @@ def ellipse_semi_axis_ratio(curvature_ratio: Array) -> Array:
 
     Examples
     --------
-    >>> axis_ratio(np.array([1.0, 0.1])).round(6).tolist()
+    >>> ellipse_semi_axis_ratio(np.array([1.0, 0.1])).round(6).tolist()
     [1.0, 0.22225]
     """
     ratio = np.asarray(curvature_ratio, dtype=float)

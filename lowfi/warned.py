@@ -34,7 +34,7 @@ class ResultWarning(str):
 
     Examples
     --------
-    >>> found = Warned("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
+    >>> found = ResultWarning("rotation", "a section turns by 60 mrad: ...", "rotations up to 60 mrad")
     >>> found.kind, found.with_part_name("nut 1"), found.with_part_name("nut 1").brief
     ('rotation', 'nut 1: a section turns by 60 mrad: ...', 'nut 1: rotations up to 60 mrad')
     """

@@ -264,7 +264,7 @@ def draw_geometry_with_errors(scene: Scene, layout: BallLayout, specimen_number:
     >>> import rollbench
     >>> from rollbench.meshes.helix import ball_layout
     >>> scene = rollbench.read("lin-case1")
-    >>> draw_geometry_with_errors(scene, ball_layout(scene)).ball_radius[:2].tolist()
+    >>> draw_geometry_with_errors(scene, ball_layout(scene)).ball_radii[:2].tolist()
     [0.002778, 0.002778]
     """
     return _geometry_at_scene_balls(scene, layout, draw_errors(scene, specimen_number))

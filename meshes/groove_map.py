@@ -145,7 +145,7 @@ class GrooveMap:
         Examples
         --------
         >>> import rollbench
-        >>> m = GrooveMap.of(rollbench.read("lin-case1"))
+        >>> m = GrooveMap.from_scene(rollbench.read("lin-case1"))
         >>> [round(1e3 * x, 3) for x in m.relative_curvature_radii(0, m.beta)]  # mm
         [18.991, 2.458]
         """
@@ -213,9 +213,9 @@ class GrooveMap:
         Examples
         --------
         >>> import rollbench
-        >>> m = GrooveMap.of(rollbench.read("lin-case1"))
+        >>> m = GrooveMap.from_scene(rollbench.read("lin-case1"))
         >>> r, zeta, _ = m.section_to_unrolled(np.array([1e-3]), np.array([2e-3]))
-        >>> [float(x.round(12)[0]) for x in m.roll(r, zeta)]
+        >>> [float(x.round(12)[0]) for x in m.unrolled_to_section(r, zeta)]
         [0.001, 0.002]
         """
         z3 = np.array(zeta, dtype=float)

@@ -55,7 +55,7 @@ class QuantityRange:
 
         Examples
         --------
-        >>> quantity_of_type(ContactAngle).allowed
+        >>> quantity_of_type(ContactAngle).allowed_range_text
         'above 0 deg, below 90 deg'
         """
         if not (self.lower_limit_excluded or self.upper_limit_excluded):

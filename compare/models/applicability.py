@@ -181,7 +181,9 @@ def save_descriptors_of_built_in_scenes(folder: Path) -> None:
     from rollbench.compare.files import replace_file
 
     by_kind = {
-        kind: {s.name: {d.name: d.value_of_scene(s) for d in DESCRIPTORS} for s in compared_scenes(ring=kind == "rings")}
+        kind: {
+            s.name: {d.name: d.value_of_scene(s) for d in DESCRIPTORS} for s in compared_scenes(of_bearings=kind == "rings")
+        }
         for kind in ("rings", "screws")
     }
     replace_file(folder / PLACES, json.dumps(by_kind, indent=1) + "\n")
@@ -205,7 +207,7 @@ def descriptor_values_of_compared_scenes(descriptor: Descriptor, *, of_bearings:
     return [
         place[descriptor.name]
         for place in (
-            *descriptors_of_built_in_scenes(ring=of_bearings),
+            *descriptors_of_built_in_scenes(of_bearings=of_bearings),
             *(() if of_bearings else descriptors_of_random_screws()),
         )
     ]
@@ -263,6 +265,6 @@ def descriptors_outside_range(scene: Scene) -> tuple[str, ...]:
     ValueError
         If no dimensions of the 3D parts follow from the scene (`meshes.solid.dimensions_of_3d_parts`).
     """
-    if not descriptors_of_built_in_scenes(ring=scene.track.lead == 0.0):
+    if not descriptors_of_built_in_scenes(of_bearings=scene.track.lead == 0.0):
         return (f"the range of the compared scenes is not known, because references/{PLACES} is missing or damaged",)
     return tuple(place.range_sentence for place in descriptors_with_ranges(scene) if place.outside)

@@ -84,7 +84,7 @@ def solve_hertz(load: float, radius_x: float, radius_y: float, young: float, poi
 
     Examples
     --------
-    >>> sphere = hertz(225.0, 2.778e-3, 2.778e-3, 210e9, 0.28)
+    >>> sphere = solve_hertz(225.0, 2.778e-3, 2.778e-3, 210e9, 0.28)
     >>> f"{1e6 * sphere.approach:.5f} um, {1e3 * sphere.semi_x:.6f} mm, {1e-6 * sphere.pole_pressure:.2f} MPa"
     '9.24316 um, 0.160242 mm, 4183.80 MPa'
     """

@@ -52,7 +52,7 @@ def rigid_motion_transfer_along_z(distance: float) -> Array:
 
     Examples
     --------
-    >>> (rigid_motion_transfer_matrix(0.5) @ np.array([0.0, 0.0, 0.0, 0.0, 1e-3, 0.0])).tolist()
+    >>> (rigid_motion_transfer_along_z(0.5) @ np.array([0.0, 0.0, 0.0, 0.0, 1e-3, 0.0])).tolist()
     [0.0005, 0.0, 0.0, 0.0, 0.001, 0.0]
     """
     t = np.eye(6)

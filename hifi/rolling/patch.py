@@ -492,7 +492,7 @@ def create_cell_grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]
 
     Examples
     --------
-    >>> cell_grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
+    >>> create_cell_grid((2, 1), np.array([1.0, 1.0]))[1].tolist()
     [[-0.5, 0.0], [0.5, 0.0]]
     """
     i, j = np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")

@@ -66,7 +66,7 @@ class Creep:
 
         Examples
         --------
-        >>> Creep(0.001, 0.0, 2.0).slip(np.array([[0.0, 1e-3]])).tolist()
+        >>> Creep(0.001, 0.0, 2.0).rigid_slip(np.array([[0.0, 1e-3]])).tolist()
         [-0.001, 0.0]
         """
         return np.concatenate([self.longitudinal - self.spin * at[:, 1], self.lateral + self.spin * at[:, 0]])

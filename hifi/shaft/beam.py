@@ -109,7 +109,7 @@ def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
     Examples
     --------
     >>> section = round_section(16e-3, 210e9, 0.28)
-    >>> F = end_flexibility_of_cantilever(0.4, section.per_length)
+    >>> F = end_flexibility_of_cantilever(0.4, section.flexibility_per_length)
     >>> bool(np.isclose(F[0, 0], 0.4**3 / (3.0 * section.EI) + 0.4 / section.kGA))
     True
     """

@@ -265,7 +265,7 @@ def bearing_state_at_displacement(bearing: BallRows, displacement: Array | float
     Examples
     --------
     >>> b = bearing_of_contact_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
-    >>> round(float(bearing_state_at_displacement(b, 36e-6).load))
+    >>> round(float(bearing_state_at_displacement(b, 36e-6).thrust))
     17727
     """
     u = np.asarray(displacement, dtype=float)

@@ -124,7 +124,7 @@ def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float
 
     Examples
     --------
-    >>> rigid = Axis(1.0, 1e-3, 210e9)
+    >>> rigid = ScrewShaftSprings(1.0, 1e-3, 210e9)
     >>> float(shaft_and_support_stiffness(rigid, 0.5)) == 4.0 * 210e9 * 1e-3 / 1.0
     True
     """
@@ -148,7 +148,7 @@ def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float
 
     Examples
     --------
-    >>> axis = Axis(1.0, 1e-3, 210e9, left=500e6, right=500e6)
+    >>> axis = ScrewShaftSprings(1.0, 1e-3, 210e9, left=500e6, right=500e6)
     >>> (carriage_to_frame_stiffness(axis, np.array([0.1, 0.5]), 400e6) * 1e-6).round(1).tolist()  # N/um
     [233.8, 213.2]
     """
@@ -174,7 +174,7 @@ def support_loads(axis: ScrewShaftSprings, position: float, force: float, tensio
 
     Examples
     --------
-    >>> support_loads(Axis(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
+    >>> support_loads(ScrewShaftSprings(1.0, 1e-3, 210e9), 0.25, 1e3, tension=5e3)
     (5750.0, 4750.0)
     """
     left, right = (float(k) for k in stiffnesses_from_nut_to_frame(axis, position))
@@ -206,7 +206,7 @@ def shaft_tension(axis: ScrewShaftSprings, stretch: float, expansion: float = 0.
 
     Examples
     --------
-    >>> round(shaft_tension(Axis(1.0, 1e-3, 210e9), 50e-6, expansion=12e-6, warming=3.0), 6)
+    >>> round(shaft_tension(ScrewShaftSprings(1.0, 1e-3, 210e9), 50e-6, expansion=12e-6, warming=3.0), 6)
     2940.0
     """
     springs = _series_stiffness(axis.left, axis.young * axis.area / axis.length, axis.right)
@@ -497,7 +497,7 @@ def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> 
     Two opposed rows with a preload of 1 kN, under an external thrust of 1 kN: loads of the rows and lift-off force [N].
 
     >>> pair = equal_rows_with_preload(HertzPowerLawRow(1e10), (1, -1), 1e3)
-    >>> solve_bearing_row_equilibrium(pair, 1e3).loads.round(1).tolist(), round(lift_off_force(pair), 1)
+    >>> solve_bearing_row_equilibrium(pair, 1e3).row_thrusts.round(1).tolist(), round(lift_off_force(pair), 1)
     ([1542.4, 542.4], 2828.4)
     """
     s = np.array(bearings.directions)

@@ -104,7 +104,7 @@ def load_zone_integrals(eps: float, exponent: float) -> LoadZone:
     --------
     Stribeck's factor of a radially loaded row of balls without clearance, 4.37:
 
-    >>> round(1.0 / load_zone_integrals(0.5, 1.5).radial, 4)
+    >>> round(1.0 / load_zone_integrals(0.5, 1.5).radial_integral, 4)
     4.3701
     """
     if not eps > 0.0:

@@ -217,7 +217,7 @@ def solve_ball_screw(chain: BallScrewChain, errors: Array, load: float, *, compi
 
     >>> rigid = BallScrewChain(10, 1e10, 0.0, 0.5e-3, np.pi / 4, 0.08, "constant")
     >>> state = solve_ball_screw(rigid, np.zeros(10), 1e3)
-    >>> bool(np.allclose(state.load, 1e3 / (10 * rigid.slope)))
+    >>> bool(np.allclose(state.load, 1e3 / (10 * rigid.approach_per_motion)))
     True
     """
     if not 0.0 < load < np.inf:

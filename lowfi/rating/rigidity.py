@@ -232,7 +232,7 @@ def three_axial_rigidities(scene: Scene, force: float, displacement: float | Non
     --------
     >>> import rollbench
     >>> found = three_axial_rigidities(rollbench.read("lin-case1"), 5e3, 20e-6)
-    >>> [round(x * 1e-6) for x in (found.contacts, found.bodies, found.unequal)]  # N/um
+    >>> [round(x * 1e-6) for x in (found.contacts_only, found.with_bodies, found.with_unequal_loads)]  # N/um
     [271, 265, 250]
     """
     size = abs(force)

@@ -103,7 +103,7 @@ def dynamic_rating_of_row(row: RollerRow) -> float:
     >>> from math import radians
     >>> from rollbench.meshes.parts import Material
     >>> row = RollerRow(16, 12e-3, 16e-3, radians(15.0), radians(2.5), 8e-3, Material(206e9, 0.3))
-    >>> round(tapered_bearing_of_row(row).pitch_diameter * 1e3, 2), round(dynamic_rating(row)), round(static_rating(row))
+    >>> round(tapered_bearing_of_row(row).pitch_diameter * 1e3, 2), round(dynamic_rating_of_row(row)), round(static_rating_of_row(row))
     (59.49, 94723, 105724)
     """
     inner, outer = (float(Q) for Q in race_capacities(row))
@@ -215,7 +215,7 @@ def equivalent_load_of_row(row: RollerRow, radial: float, axial: float) -> float
     >>> from math import radians
     >>> from rollbench.meshes.parts import Material
     >>> row = RollerRow(16, 12e-3, 16e-3, radians(15.0), radians(2.5), 8e-3, Material(206e9, 0.3))
-    >>> equivalent_load(row, 1e3, 400.0), round(equivalent_load(row, 1e3, 2e3), 1)
+    >>> equivalent_load_of_row(row, 1e3, 400.0), round(equivalent_load_of_row(row, 1e3, 2e3), 1)
     (1000.0, 3385.6)
     """
     if is_thrust_bearing_row(row):

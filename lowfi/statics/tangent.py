@@ -145,20 +145,20 @@ def _stiffness_at_clamp(equations: Any, clamped_equations: Any, station: float) 
     """
     N, d = equations.state.phi.shape
     rows, counts = np.zeros((N, 6, d)), np.zeros(N, dtype=np.int64)
-    ball_rows(equations.given.contacts, equations.state.contact, rows, counts)
+    ball_rows(equations.kernel_arrays.contacts, equations.state.contact, rows, counts)
     used = np.arange(6)[None, :] < counts[:, None]
     ball = np.repeat(np.arange(N), counts)
     S = np.zeros((ball.size, N, d))
     S[np.arange(ball.size), ball] = rows[used]
-    bodies, by_clamp = clamped_equations.given.bodies, flank_motions_by_clamp(clamped_equations.problem, station)
+    bodies, by_clamp = clamped_equations.kernel_arrays.bodies, flank_motions_by_clamp(clamped_equations.problem, station)
     A = np.eye(ball.size)
-    if equations.pair is None:
+    if equations.only_flank_pair is None:
         screw, nut = S[:, :, :4].reshape(ball.size, 4 * N), S[:, :, 4:].reshape(ball.size, 4 * N)
-        A += nut @ bodies.second @ nut.T
+        A += nut @ bodies.second_compliance @ nut.T
     else:  # the motions are those of the screw's flank relative to the nut's
         screw = S.reshape(ball.size, 2 * N)
-        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, equations.pair[0]].reshape(2 * N, 6)
-    A += screw @ bodies.first @ screw.T
+        by_clamp = by_clamp.reshape(N, 2, 2, 6)[:, equations.only_flank_pair[0]].reshape(2 * N, 6)
+    A += screw @ bodies.first_compliance @ screw.T
     moved = screw @ by_clamp
     K = moved.T @ np.linalg.solve(A, moved)
     return np.asarray(0.5 * (K + K.T))

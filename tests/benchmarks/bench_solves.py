@@ -118,7 +118,14 @@ def test_sample_of_a_sweep(benchmark, varied):
     text, (vary,), numbers = catalogue.shipped_scene_text("lin-pitch"), read_varied_keys([varied]), count(1)
 
     def sample():
-        solve_sample(text, "lin-pitch.toml", [vary], [vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)], "refined", "compiled")
+        solve_sample(
+            text,
+            "lin-pitch.toml",
+            [vary],
+            [vary.value_at_relative_position((0.618 * next(numbers)) % 1.0)],
+            "refined",
+            "compiled",
+        )
 
     sample()
     benchmark.pedantic(sample, rounds=10)

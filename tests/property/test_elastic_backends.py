@@ -96,7 +96,7 @@ def test_any_start_leads_to_the_same_loads(seed, backend):
 
 def energy_at(elastic, phi, amplitudes):
     """Energy of bodies, loads and balls, and its slopes by forces and free motions, as the kernels have them."""
-    state = ForceState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
+    state = ForceState(phi.copy(), amplitudes.copy(), elastic.state.ball_unknowns.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
     kernel.write_flank_motions(elastic.given.bodies, state, g, v)
     of_balls, _ = elastic.engine.evaluate_balls(v, elastic.given.contacts, state, f)

@@ -498,7 +498,7 @@ def rolling_examples(findings: ComputedEntryValues, cache: SceneResultCache) -> 
     findings.add_number("b", 1e3 * float(hertz.C_b) * cube)
     findings.add_number("approach", 1e3 * float(hertz.C) * cube**2)
     findings.add_number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    theirs, ours = solve_rolling_example(EXAMPLE_CELLS, as_contact=True), solve_rolling_example(EXAMPLE_CELLS)
+    theirs, ours = solve_rolling_example(EXAMPLE_CELLS, by_contact_scheme=True), solve_rolling_example(EXAMPLE_CELLS)
     for key in ("lateral", "moment"):
         note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(ours, key):.4g}"
         findings.add_number(key, getattr(theirs, key), note)

@@ -361,7 +361,7 @@ def _verify_example_of_program_contact() -> Iterator[Verification]:
     With CONTACT's difference scheme the printed digits must come out. With the scheme used here, the permitted error is
     the first-order error of CONTACT's scheme, estimated by its change from the coarsest grid to the finest.
     """
-    theirs = [solve_rolling_example(n, as_contact=True) for n in EXAMPLE_GRIDS]
+    theirs = [solve_rolling_example(n, by_contact_scheme=True) for n in EXAMPLE_GRIDS]
     ours = [solve_rolling_example(n) for n in (16, 24, 32)]
     for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
         printed = printed_entry("external-contact", key)

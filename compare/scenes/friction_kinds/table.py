@@ -26,8 +26,8 @@ from rollbench.compare.scenes.friction_kinds.screw_balls import (
     FREE_TRANSLATION,
     ScrewPairKeys,
     ScrewPairScene,
-    ScrewSimulationKeys,
     ScrewRunScene,
+    ScrewSimulationKeys,
 )
 from rollbench.compare.scenes.keys import schema_without_null
 from rollbench.compare.scenes.schema import SceneKeys, ShaftSceneKeys
@@ -151,9 +151,7 @@ def _bearing_ball_tables(scene: BearingBallScene) -> Table:
     """Return the tables of the scene file of one bearing ball."""
     b = scene.bearing
     creep = value_with_unit_text(Creep, scene.creep) if scene.creep else None
-    law = without_empty_values(
-        law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step
-    )
+    law = without_empty_values(law=scene.law, creep=creep, sharpness=scene.sharpness or None, map_step=scene.map_step)
     return {
         "material": _material_table(b.young, b.poisson),
         **_track_and_groove_tables(b, 0.0 - b.clearance),

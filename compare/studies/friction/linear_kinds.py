@@ -60,17 +60,12 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
     """
     if scene.distribution == "elastic":
         try:
-            force, angles = loads_of_elastic_contacts(
-                scene.bearing, scene.angles, scene.vertical, scene.side
-            )
+            force, angles = loads_of_elastic_contacts(scene.bearing, scene.angles, scene.vertical, scene.side)
         except ArithmeticError as error:
             advice = 'change the forces on the balls, or take distribution = "balanced"'
             raise SceneNotCoveredError(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
-        angles, force = (
-            scene.angles,
-            loads_in_equilibrium(scene.angles, scene.vertical, scene.side),
-        )
+        angles, force = (scene.angles, loads_in_equilibrium(scene.angles, scene.vertical, scene.side))
     else:
         rows = loads_equal_on_diagonals(scene.vertical, scene.side, scene.bearing.contact_angle)
         angles, force = scene.angles, rows

@@ -126,9 +126,7 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
         ]
         normals, loads = np.array([f[0] for f in found]), np.array([f[1] for f in found])
     else:
-        loads = np.array(
-            [_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)]
-        )
+        loads = np.array([_loads_at_given_angles(scene, n, float(r)) for n, r in zip(normals, scene.side, strict=True)])
     whole = create_rolling_balls(layout, material, normals, loads)
     return RollingCase(
         scene.name, scene.kind, copy_without_ball_to_ball_contacts(whole), whole, b.speed, ("BL", "BR", "TR", "TL"), False

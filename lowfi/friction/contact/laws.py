@@ -131,7 +131,7 @@ def dissipated_power(
     Examples
     --------
     >>> d = dissipated_power(contacts_from_values(1e-3, 1e-3, 10.0, 0.1), motion_of_rotation_about_point(1.0, 0.0, 0.0))
-    >>> round(float(d.value[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
+    >>> round(float(d.power[0]) / 1e-3, 9)  # (3 pi / 16) mu F a spin on a circle
     0.589048623
     """
     out = np.empty((contacts.a.shape[0], 11))

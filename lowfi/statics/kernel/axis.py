@@ -358,9 +358,9 @@ def find_step(
 ) -> bool:
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
-    shift [N/m]: stiffness added to the diagonal, multiplied by the square of ``options.arm`` for rotations. ``fresh`` is
-    not used: the stiffness is factored in every step. The ``workspace`` holds the derivatives of the energy at the
-    ``state``.
+    shift [N/m]: stiffness added to the diagonal, multiplied by the square of ``options.moment_arm`` for rotations.
+    ``fresh`` is not used: the stiffness is factored in every step. The ``workspace`` holds the derivatives of the energy at
+    the ``state``.
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.moment_arm * options.moment_arm
@@ -398,8 +398,8 @@ def start_from_linear_springs(
     """Set the state to a first guess: the equilibrium with linear springs in place of balls and rollers.
 
     Leaves the state unchanged if that stiffness matrix is not positive definite. The step is shortened such that no flank
-    moves further than ``options.furthest`` [m]. ``given``: arrays of shaft, bodies, springs, balls and rollers;
-    ``workspace``: work arrays, changed.
+    moves further than ``options.max_flank_motion_per_step`` [m]. ``given``: arrays of shaft, bodies, springs, balls and
+    rollers; ``workspace``: work arrays, changed.
     """
     gradient, hessians = workspace.energy_derivatives
     hessians[:] = 0.0

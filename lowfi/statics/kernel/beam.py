@@ -343,8 +343,8 @@ def find_step(
     """Write Newton's step of the nodal motions to the workspace; return False if the stiffness is not positive definite.
 
     With ``fresh`` the stiffness is assembled and factored, with ``shift`` [N/m] added to its diagonal (times the square of
-    ``options.arm`` for rotations); otherwise the last factor is used. ``given``: arrays of the screw as a beam and of its
-    balls; ``state`` is not used.
+    ``options.moment_arm`` for rotations); otherwise the last factor is used. ``given``: arrays of the screw as a beam and
+    of its balls; ``state`` is not used.
     """
     beam, band = given.shaft, workspace.matrix
     if fresh:
@@ -375,9 +375,9 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 def residual_at(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, scale: float) -> float:
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
-    Moments are divided by the length ``options.arm``. Components of fixed motions do not count. In newtons if ``scale`` is
-    0. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings; the
-    ``workspace`` holds the gradient of the energy, which is the unbalanced force.
+    Moments are divided by the length ``options.moment_arm``. Components of fixed motions do not count. In newtons if
+    ``scale`` is 0. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings;
+    the ``workspace`` holds the gradient of the energy, which is the unbalanced force.
     """
     gradient, worst = workspace.energy_derivatives.gradient, 0.0
     for i in range(gradient.shape[0]):
@@ -438,9 +438,9 @@ def finish(given: Rows, state: MotionState, options: NewtonOptions, workspace: M
 def least_force(given: Rows, state: MotionState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
-    The larger of ``options.floor`` and the largest element moment divided by ``options.arm``. Without it, a screw that is
-    bent by moments only, or that has lost its last contact, would have no force to compare with. ``given``: arrays of the
-    shaft; ``state``: deformations of its elements.
+    The larger of ``options.least_force_scale`` and the largest element moment divided by ``options.moment_arm``. Without
+    it, a screw that is bent by moments only, or that has lost its last contact, would have no force to compare with.
+    ``given``: arrays of the shaft; ``state``: deformations of its elements.
     """
     floor, f = options.least_force_scale, np.empty(6)
     for e in range(state.d.shape[0]):
@@ -481,10 +481,10 @@ def start_from_linear_springs(
 ) -> None:
     """Set the state to a first guess: the equilibrium of the screw on linear springs in the nominal contact directions.
 
-    Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than ``options.furthest``, the
-    radius of the largest ball: springs of fixed direction are wrong where the contact direction must turn first, for
-    example at a contact angle near zero under an axial load. ``given``: arrays of the screw as a beam and of its balls;
-    ``workspace``: work arrays, changed.
+    Leaves the state unchanged if that stiffness cannot be factored. No flank moves further than
+    ``options.max_flank_motion_per_step``, the radius of the largest ball: springs of fixed direction are wrong where the
+    contact direction must turn first, for example at a contact angle near zero under an axial load. ``given``: arrays of
+    the screw as a beam and of its balls; ``workspace``: work arrays, changed.
     """
     geometry, hessians, stiffness = given.contacts.geometry, workspace.energy_derivatives.ball_hessians, options.stiffness
     evaluate_beam(given.shaft, state.q, state.d, workspace.energy_derivatives.gradient)
@@ -506,7 +506,7 @@ def start_from_linear_springs(
 def shorten_first_step(
     given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, reach: float
 ) -> None:
-    """Take the first Newton step from the state, shortened such that no flank moves further than ``options.furthest`` [m].
+    """Take the first Newton step from the state, shortened such that no flank moves further than ``options.max_flank_motion_per_step`` [m].
 
     reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
     """

@@ -273,9 +273,9 @@ def solve_balls_of_flank_pair(v: Array, contacts: BallContacts, contact: Array, 
     v (N, 2): motion of flank a minus that of flank b [m]. The vector from the centre of arc b to that of arc a is D
     nominally and D + v in the deformed state; the centre of the ball lies on its line. The interference is the nominal
     value plus |D + v| - |D|. The two contacts act in series: their approaches add up to C F^(2/3) + e F + h F^(4/3) under
-    the force F. The rows of ``contacts.pair`` (N, 7) hold D (two components), |D|, the nominal interference, C, e and h.
-    Writes the forces f (N, 2) [N] on flank a, and ``contact`` (N, 5) as one contact on flank a. Returns the energy [J] and
-    the largest contact force [N].
+    the force F. The rows of ``contacts.flank_pair_data`` (N, 7) hold D (two components), |D|, the nominal interference, C,
+    e and h. Writes the forces f (N, 2) [N] on flank a, and ``contact`` (N, 5) as one contact on flank a. Returns the energy
+    [J] and the largest contact force [N].
     """
     pair = contacts.flank_pair_data
     energy, scale = 0.0, 0.0
@@ -545,7 +545,7 @@ def finish(given: BodySystem, state: ForceState, options: NewtonOptions, workspa
 def least_force(given: BodySystem, state: ForceState, options: NewtonOptions) -> float:
     """Return the smallest force [N] that relative residuals may be divided by.
 
-    It is ``options.floor``; ``given`` and ``state`` are not used.
+    It is ``options.least_force_scale``; ``given`` and ``state`` are not used.
     """
     return options.least_force_scale
 
@@ -590,9 +590,9 @@ def start_from_linear_springs(
     """Set the state to a first guess: the equilibrium with a linear spring between opposite flanks in place of each ball.
 
     Leaves the state unchanged if the equations cannot be solved. The solution is scaled down such that no flank moves
-    further from the opposite one than ``options.furthest`` [m]. It is not scaled if the loads without contact forces
-    already move flanks further than that, as they do for a shaft that only the contacts support. ``given``: arrays of
-    bodies, balls and rollers, with the springs; ``workspace``: work arrays, changed.
+    further from the opposite one than ``options.max_flank_motion_per_step`` [m]. It is not scaled if the loads without
+    contact forces already move flanks further than that, as they do for a shaft that only the contacts support. ``given``:
+    arrays of bodies, balls and rollers, with the springs; ``workspace``: work arrays, changed.
     """
     bodies, springs, v = given.bodies, given.springs, workspace.v
     balls, width = springs.shape[0], springs.shape[1]

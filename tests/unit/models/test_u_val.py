@@ -88,17 +88,17 @@ def test_bias_and_scatter_of_known_ratios() -> None:
 
 def test_compared_scenes_are_inside() -> None:
     for ring in (False, True):
-        assert all(descriptors_outside_range(scene) == () for scene in compared_scenes(ring=ring))
-    assert len(compared_scenes(ring=False)) + len(compared_scenes(ring=True)) == 15
+        assert all(descriptors_outside_range(scene) == () for scene in compared_scenes(of_bearings=ring))
+    assert len(compared_scenes(of_bearings=False)) + len(compared_scenes(of_bearings=True)) == 15
 
 
 def test_kept_places_are_those_of_the_scenes() -> None:
     for ring in (False, True):
         found = [
             {d.name: pytest.approx(d.value_of_scene(scene), rel=1e-12) for d in DESCRIPTORS}
-            for scene in compared_scenes(ring=ring)
+            for scene in compared_scenes(of_bearings=ring)
         ]
-        assert list(descriptors_of_built_in_scenes(ring=ring)) == found
+        assert list(descriptors_of_built_in_scenes(of_bearings=ring)) == found
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_known_answers_are_reached(monkeypatch):
 
 def test_contact_of_another_program_to_its_digits():
     """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
-    found = solve_rolling_example(EXAMPLE_CELLS, as_contact=True)
+    found = solve_rolling_example(EXAMPLE_CELLS, by_contact_scheme=True)
     assert (found.cells_in_contact, found.sticking_cells) == (1276, 356)
     assert 30.0 * found.friction_power == pytest.approx(540.4, abs=0.05)
 
