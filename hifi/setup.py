@@ -213,7 +213,11 @@ def mesh_and_condense_geometry(
     screw, *nuts, ball = stages.run(bodies, together)
     nut: CondensedNut | None = nuts[0] if nuts else None
     screw = _correct_screw_stiffness(screw, homogenised, m, layout, sides, stations)
-    unknowns = screw.degree_of_freedom_count + (nut.degree_of_freedom_count if nut else 0) + ball.unknowns * layout.z.size
+    unknowns = (
+        screw.degree_of_freedom_count
+        + (nut.degree_of_freedom_count if nut else 0)
+        + ball.degree_of_freedom_count * layout.z.size
+    )
     unknowns += (
         sum(p.groove_patch.degree_of_freedom_count + p.ball_patch.degree_of_freedom_count for p in patches.values())
         * layout.z.size

@@ -91,7 +91,7 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
         normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
         patches[side] = condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio, carrier)
     found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
-    flat = patch.points - points_in_box_at_azimuth_zero(m, size, PRESSED, np.zeros((1, 3)))
+    flat = patch.contact_points - points_in_box_at_azimuth_zero(m, size, PRESSED, np.zeros((1, 3)))
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
     force = patch.areas * np.sqrt(np.maximum(1.0 - ((flat @ axes.T / choices.semi) ** 2).sum(axis=1), 0.0))
     counts = [found.modes_by_flank[s].shape[1] for s in sides]

@@ -52,12 +52,12 @@ class MachineCheck:
     name: str
     state: State
     found: str
-    effect: str = ""
+    cost: str = ""
     advice: str = ""
 
     def line(self) -> str:
         """Return the result of the check as one line of text."""
-        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.effect, self.advice)))
+        return f"{self.state:8}  " + "; ".join(filter(None, (f"{self.name}: {self.found}", self.cost, self.advice)))
 
 
 def check_machine(store: Path) -> CommandOutput:

@@ -306,7 +306,7 @@ def make_sections(
                 show_part_name(name)
             sections |= made
             study.scenes |= used.scenes
-            study.other_scenes |= used.others
+            study.other_scenes |= used.other_scenes
             study.evidence_by_table |= used.evidence
         parts = last
     for part in parts:

@@ -198,7 +198,8 @@ def ball_bearing_torque(
     --------
     An angular-contact row at 1 kN thrust, Q/Q_0 = 1/8, d_m = 40 mm: 0.001 to 0.0013 times 0.5 times 40 N m.
 
-    >>> [round(x * 1e3, 6) for x in ball_bearing_torque("angular contact", np.pi / 6, 40e-3, (1e3, 0.0, 0.125), None).load]  # N mm
+    >>> torque = ball_bearing_torque("angular contact", np.pi / 6, 40e-3, (1e3, 0.0, 0.125), None)
+    >>> [round(x * 1e3, 6) for x in torque.load]  # N mm
     [20.0, 26.0]
     """
     (low, high), power, (axial, across) = LOAD[kind]

@@ -103,7 +103,8 @@ def dynamic_rating_of_row(row: RollerRow) -> float:
     >>> from math import radians
     >>> from rollbench.meshes.parts import Material
     >>> row = RollerRow(16, 12e-3, 16e-3, radians(15.0), radians(2.5), 8e-3, Material(206e9, 0.3))
-    >>> round(tapered_bearing_of_row(row).pitch_diameter * 1e3, 2), round(dynamic_rating_of_row(row)), round(static_rating_of_row(row))
+    >>> pitch_diameter = tapered_bearing_of_row(row).pitch_diameter
+    >>> round(pitch_diameter * 1e3, 2), round(dynamic_rating_of_row(row)), round(static_rating_of_row(row))
     (59.49, 94723, 105724)
     """
     inner, outer = (float(Q) for Q in race_capacities(row))

@@ -111,7 +111,7 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
 @pytest.mark.parametrize("aim", [0.94, 1.0, 1.06])
 @pytest.mark.parametrize("name", JOBS)
 def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name, aim):
-    run = study(JOBS[name], "Q2", 4.0, aim=aim)
+    run = study(JOBS[name], "Q2", 4.0, mesh_scale=aim)
     assert run.approach == pytest.approx(run.hertz_solution.approach, rel=3e-3)
     assert run.semi_x == pytest.approx(run.hertz_solution.semi_x, rel=5e-3)
     assert run.semi_y == pytest.approx(run.hertz_solution.semi_y, rel=5e-3)

@@ -46,7 +46,7 @@ def moved(ready, state, seed, size):
     q[:], d[:] = state[0], state[1]
     free, unit = ~ready.problem.fixed, np.array([1.0, 1.0, 1.0, 20.0, 20.0, 20.0])
     q[0] += np.where(free[0], size * rng.uniform(-1, 1, 6) * unit, 0.0)
-    if ready.problem.basis is None:
+    if ready.problem.rigid_motion_basis is None:
         # the held freedoms of other nodes keep their prescribed values: nodes move, deformations follow
         q[1:] = state[0][1:] + np.where(free[1:], q[0] - state[0][0], 0.0)
         q[1:] += np.where(free[1:], 1e-3 * size * rng.uniform(-1, 1, (q.shape[0] - 1, 6)) * unit, 0.0)

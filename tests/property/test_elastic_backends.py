@@ -98,7 +98,7 @@ def energy_at(elastic, phi, amplitudes):
     """Energy of bodies, loads and balls, and its slopes by forces and free motions, as the kernels have them."""
     state = ForceState(phi.copy(), amplitudes.copy(), elastic.state.ball_unknowns.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
-    kernel.write_flank_motions(elastic.given.bodies, state, g, v)
+    kernel.write_flank_motions(elastic.kernel_arrays.bodies, state, g, v)
     of_balls, _ = elastic.engine.evaluate_balls(v, elastic.given.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
     kernel.flank_motions_by_forces(elastic.given.bodies, excess, by_forces)

@@ -214,7 +214,9 @@ def test_members_of_an_ensemble_are_single_solutions():
         replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES)) for x in (4e-6, -1e-6, 0.0)
     ]
     ready = [prepared(s, "compiled") for s in scenes]
-    geometry, closure, B = (np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "closure", "B"))
+    geometry, closure, B = (
+        np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "interference", "B")
+    )
     members = SpecimenArrays(B, geometry, closure, np.stack([r.kernel_arrays.contacts.r_ball for r in ready]))
     forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
     first = ready[0]

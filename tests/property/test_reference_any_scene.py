@@ -176,7 +176,7 @@ def test_displaced_supports_widen_the_patches():
 
 
 def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
-    for name in ("mesh_grooved_body", "mesh_ball_with_sockets"):
+    for name in ("mesh_grooved_body", "mesh_ball_with_refinement_boxes"):
         monkeypatch.setattr(f"rollbench.hifi.meshing.part_meshes.{name}", lambda *_: pytest.fail("meshed"))
     with pytest.raises(SceneNotCoveredError) as refused:
         compute_reference_runs(ReferenceTask((pressed(with_conformity(CASE, 0.515), 4e9),), 1))

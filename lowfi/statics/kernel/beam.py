@@ -506,7 +506,7 @@ def start_from_linear_springs(
 def shorten_first_step(
     given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, reach: float
 ) -> None:
-    """Take the first Newton step from the state, shortened such that no flank moves further than ``options.max_flank_motion_per_step`` [m].
+    """Take the first Newton step from the state, shortened such that no flank moves further than a limit [m].
 
     reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
     """

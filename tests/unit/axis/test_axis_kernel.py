@@ -81,7 +81,7 @@ def evaluated(prepared, step=None, t=0.0):
 
 
 def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient(ready):
-    s = ready.system
+    s = ready.assembly_arrays
     step = np.random.default_rng(2).normal(0.0, 1e-7, ready.state.q.shape)
     step[s.structure.fixed] = 0.0
     _, out = evaluated(ready)

@@ -62,7 +62,7 @@ def test_preload_is_what_the_flanks_press_without_load(solved) -> None:
 
 def test_the_first_contact_is_lost_where_lift_off_says(solved) -> None:
     scene, _, found = solved
-    before, after = (solve_with_scaled_loads(scene, f * found.lift.factor, "lin", QUIET) for f in (0.98, 1.02))
+    before, after = (solve_with_scaled_loads(scene, f * found.lift_off.factor, "lin", QUIET) for f in (0.98, 1.02))
     assert before.load.min() > 0.0
     assert after.load[found.lift.ball - 1, ["SL", "SR", "NL", "NR"].index(found.lift.side)] == 0.0
     assert found.lift.axial == pytest.approx(5000.0 * found.lift.factor)

@@ -54,7 +54,7 @@ def test_workers_have_one_thread_each_and_share_the_work(tmp_path):
     code = (
         f"{COUNT}\nimport numpy\nfrom threadpoolctl import threadpool_info\n"
         "from rollbench.compare.reference.parallel import run_jobs\n"
-        "for _, found in as_done([(threadpool_info, ())] * 2, workers=2):\n"
+        "for _, found in run_jobs([(threadpool_info, ())] * 2, workers=2):\n"
         "    print([x['num_threads'] for x in found if x['user_api'] == 'blas'])\n"
     )
     done = python("-c", code, cwd=tmp_path, env=UNSET)

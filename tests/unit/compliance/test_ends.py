@@ -49,7 +49,7 @@ def by_closed_form(width: float) -> np.ndarray:
 
 
 def test_contacts_move_as_saint_venant_says(response):
-    found, wanted = response.contacts[:, 2:5], by_closed_form(TUBE.patch_width)
+    found, wanted = response.contact_motions[:, 2:5], by_closed_form(TUBE.patch_width)
     inside = np.abs(np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2) - CASE.nut.position) < 10e-3
     for k in range(3):
         size = np.abs(wanted[:, k]).max()
@@ -62,7 +62,7 @@ def test_a_section_between_contacts_is_felt_below_it_and_not_above(response):
     """A wrench on the section at the nut's centre: the end's motions a radius below it, half at it, none a radius above,
     but for the shift by a moment, part of which acts across in a slice."""
     at, z = CASE.nut.position, np.repeat(contact_points_and_axes(CASE, LAYOUT, True)[0][:, 2], 2)
-    found, wanted = screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at), response.contacts.copy()
+    found, wanted = screw_response_to_section_wrench(CASE, LAYOUT, SMOOTH, at), response.contact_motions.copy()
     wanted[:, 0] += (at - response.high) * wanted[:, 4]
     wanted[:, 1] -= (at - response.high) * wanted[:, 3]
     far, size = 1.1 * TUBE.outer_radius, np.abs(wanted).max(axis=0)
@@ -100,12 +100,12 @@ def test_contacts_lengthen_a_grooved_screw_as_in_3d():
 def test_torsion_leaves_round_sections_as_they_are(response):
     x, _ = contact_points_and_axes(CASE, LAYOUT, True)
     turn = float(np.hypot(x[:, 0], x[:, 1]).max() * 0.05 / PLAIN.GJ)
-    assert np.abs(response.contacts[:, 5]).max() < 1e-3 * turn
+    assert np.abs(response.contact_motions[:, 5]).max() < 1e-3 * turn
 
 
 def test_end_moves_as_the_beams(response):
     """Beyond the beam there is only what a uniform shear at the ends does: some per cent of the beam's own shear."""
-    length = response.high - TUBE.ends[0]
+    length = response.high_end - TUBE.ends[0]
     beam = np.array([length / PLAIN.kGA] * 2 + [length / PLAIN.EA] + [length / PLAIN.EI] * 2 + [length / PLAIN.GJ])
     assert np.abs(np.diag(response.end)[2:] / beam[2:]).max() < 1e-8
     assert np.abs(np.diag(response.end)[:2] / beam[:2]).max() < 0.04

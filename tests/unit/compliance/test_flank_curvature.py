@@ -73,7 +73,7 @@ def nominal_of(flank):
 
 def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     """By (1 - 2 nu)/(8 pi G rho) and terms of the patch's width: mean of (1 - 2 nu) cos^2/(4 pi G rho) over a round one."""
-    width = 0.12 * flank.map.ball
+    width = 0.12 * flank.groove_map.ball
     grid = flank.grid()
     line = grid.shape[1] - 1
     load = nodal_forces_along_flank_normals(flank, grid, width, flank.contact()[1])

@@ -64,7 +64,7 @@ def axes_of(rng, count):
 def solve(body, n, held, force):
     """Motions (rows, columns, 3) by generalised forces of that shape."""
     free = ~held.ravel()
-    K = body.stiffness(n)[free][:, free]
+    K = body.harmonic_stiffness(n)[free][:, free]
     q = np.zeros(free.size)
     q[free] = spsolve(sp.csc_matrix(K), force.ravel()[free])
     return q.reshape(force.shape)

@@ -127,7 +127,7 @@ def test_torque_is_by_friction_on_the_reference_s_loads(monkeypatch: pytest.Monk
         loads.append(sets[0][1].load)
         return float(sets[0][1].load.sum())
 
-    monkeypatch.setattr("rollbench.compare.models.friction_sums.torque", torque)
+    monkeypatch.setattr("rollbench.compare.models.friction_sums.total_friction_torque", torque)
     (found,) = judged(values=values(tmp_path / "v.csv", "torque,15,N m,"))
     reference = stored()
     assert found.pair == ("torque_Nmm", pytest.approx(15e3), pytest.approx(reference.load.sum()))

@@ -83,7 +83,7 @@ def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(mo
         planned.append((sorted({s.name for t in tasks for s in t.scenes}), sorted({t.level for t in tasks})))
         raise SceneNotCoveredError("mine", "3D reference", "no room for the contact", "deepen the groove")
 
-    monkeypatch.setattr(user, "ensure", refused)
+    monkeypatch.setattr(user, "ensure_runs_are_stored", refused)
     text = catalogue.shipped_scene_text("two-balls").replace('"6 um"', '"6.1 um"')
     first, second = check(
         [scene_file.scene_from_text(text, "mine.toml"), TWO], GateRequest((tmp_path, gate_request().stores[1]))

@@ -65,7 +65,7 @@ def pressed(seed):
 
 def dense(C):
     """The whole matrix of a compliance."""
-    U = block_diag(*C.modes)
+    U = block_diag(*C.modes_by_ball)
     return block_diag(*(block.dense_compliance_matrix() for block in C.blocks)) + U @ C.coupling @ U.T
 
 

@@ -55,7 +55,9 @@ def slab(count):
 
 def middle_approach(body, matrix, load):
     """Displacement into a body of the middle of its contact line under Hertz's pressure of a load per length, b = B."""
-    areas = np.asarray(pressure_function_integrals(body.mesh, body.contact.ravel()).sum(axis=1)).reshape(body.contact.shape)
+    areas = np.asarray(pressure_function_integrals(body.mesh, body.contact_nodes.ravel()).sum(axis=1)).reshape(
+        body.contact_nodes.shape
+    )
     shape = np.sqrt(np.maximum(1.0 - (body.across / B) ** 2, 0.0)) * np.ones(body.contact.shape)
     forces = areas * shape
     forces *= 0.5 * load * 2.0 * HALF / forces.sum()

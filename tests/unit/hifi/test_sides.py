@@ -65,7 +65,7 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     assert is_left_flank_after_half_turn(m, right)
     assert not is_left_flank_after_half_turn(m, right - 1)
     mirrored, direct = turn_patches_to_right_flank(found[right - 1]), found[right]
-    body = meshes.screw if right < 2 else meshes.nut
+    body = meshes.screw_mesh if right < 2 else meshes.nut_mesh
     np.testing.assert_array_equal(body.sockets[right].xi, body.sockets[right - 1].xi * AZIMUTH_TURNED)
     for part in ("groove", "ball"):
         a, b = getattr(mirrored, part), getattr(direct, part)
@@ -83,14 +83,14 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
 def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
     m, _, found = flanks
     back = turn_patches_to_right_flank(turn_patches_to_right_flank(found[0]))
-    np.testing.assert_array_equal(back.local_compliance, found[0].local)
+    np.testing.assert_array_equal(back.local_compliance, found[0].local_compliance)
     np.testing.assert_array_equal(back.groove_patch.H, found[0].groove.H)
     np.testing.assert_array_equal(back.ball_patch.S, found[0].ball.S)
     np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball.socket)
     assert not is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
 
 
-@pytest.mark.parametrize("part", ["groove", "ball"])
+@pytest.mark.parametrize("part", ["groove_patch", "ball_patch"])
 @pytest.mark.parametrize("count", [3, 8])
 def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count):
     """Whatever single hats carry: what reaches the socket's nodes through the modes is in equilibrium with it, to
@@ -104,7 +104,7 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
     reached = (V @ rows).reshape(len(V), -1, 3)
     assert np.abs(reached.sum(axis=1) - hats @ patch.normals).max() < 1e-12
     moments = np.cross(patch.socket - centre, reached).sum(axis=1)
-    assert np.abs(moments).max() < 1e-12 * m.ball
+    assert np.abs(moments).max() < 1e-12 * m.ball_patch
 
 
 @pytest.mark.parametrize("side", [0, 3])
@@ -113,7 +113,7 @@ def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(f
     held, as modes left out and cells of the submodels add yielding, but far from the whole contact's."""
     _, _, found = flanks
     pair = found[side]
-    np.testing.assert_array_equal(pair.local, pair.local.T)
+    np.testing.assert_array_equal(pair.local_compliance, pair.local_compliance.T)
     assert np.linalg.eigvalsh(pair.local).min() > 0.0
     held = pair.groove.A + pair.ball.A
     force = normalise_weight_rows(pair.groove.weights).T @ pair.groove.areas
@@ -125,7 +125,7 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     """Approaches of one contact at places all over a cell, under several forces: what is left of their scatter, beside what
     changes evenly from cell to cell, is a third. The right flank's wave is the left one's, turned."""
     m, meshes, found = flanks
-    body, steel = meshes.screw if side < 2 else meshes.nut, two_balls().balls.material
+    body, steel = meshes.screw_mesh if side < 2 else meshes.nut_mesh, two_balls().balls.material
     mesh = mesh_patch(
         meshes,
         body.sockets[side],

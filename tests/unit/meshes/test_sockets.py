@@ -31,7 +31,7 @@ LIN, FLAT = scene("lin-case1"), small_screw(4, beta=np.radians(20.0))
 
 
 def fitted(case, sides=ALL, **changes):
-    names = ("land_screw", "bore_screw", "land_nut", "outer_nut", "ends")
+    names = ("screw_land_radius", "screw_bore_radius", "nut_land_radius", "nut_outer_radius", "nut_end_positions")
     given = dict(zip(names, solid_sizes(case), strict=True)) | changes
     return largest_fitting_refinement_box(GrooveMap.from_scene(case), ball_layout(case), sides, **given)
 
@@ -74,7 +74,7 @@ def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
     for tri in mesh.triangles:
         for k, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
             pair = tuple(sorted((int(tri[i]), int(tri[j]))))
-            assert mesh.edges[pair] == tri[3 + k]
+            assert mesh.midside_node_of_edge[pair] == tri[3 + k]
             np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
             count[pair] = count.get(pair, 0) + 1
     loop = rim_nodes_of_refinement_box(mesh).tolist()

@@ -34,7 +34,7 @@ OWN = ["plain", "straight", "turned"]
 
 def edges_of(m):
     """Every edge of a box once, and its length [m]."""
-    pairs = np.concatenate([m.tets[:, pair] for pair in combinations(range(4), 2)])
+    pairs = np.concatenate([m.tetrahedra[:, pair] for pair in combinations(range(4), 2)])
     edges = np.unique(np.sort(pairs, axis=1), axis=0)
     return edges, np.linalg.norm(np.diff(m.xi[edges] * SCALE, axis=1)[:, 0], axis=1)
 

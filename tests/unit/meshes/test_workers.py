@@ -23,10 +23,10 @@ with single_thread_workers():
 """
 #: Parts of a set-up, of which a helper makes the first and the parent the other, for so many seconds.
 SET_UP = """
-from rollbench.hifi.setup import Job, compute_records
+from rollbench.hifi.setup import RecordJob, compute_records
 from rollbench.meshes.cache import Cache
 work = "print(__import__('os').getpid(), flush=True), __import__('time').sleep({})"
-compute_records([Job("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)
+compute_records([RecordJob("any", eval, (work.format(seconds),), tuple) for seconds in (120.0, OWN)], Cache(None), 2)
 """
 
 

@@ -142,7 +142,7 @@ def test_nothing_is_covered_where_an_installation_lacks_what_was_compared(monkey
     text_of, scene = files.shipped_text, STUDY.built_in_scene(name)
     assert descriptors_outside_range(scene) == ()
     result = run_model(scene, "lin", ModelOptions(estimate_beam_mesh_error=False))
-    monkeypatch.setattr(files, "text", text)
+    monkeypatch.setattr(files, "shipped_text", text)
     descriptors_of_built_in_scenes.cache_clear()
     try:
         assert estimate_model_error(scene, result).percent is None

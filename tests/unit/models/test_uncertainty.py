@@ -88,5 +88,5 @@ def test_large_displacements_take_more_of_a_heavier_contact() -> None:
 
 def test_a_scene_that_the_cheap_model_does_not_suit_has_no_known_inputs(monkeypatch) -> None:
     scene, found = STUDY.built_in_scene("lin-case1"), STUDY.stored_reference("lin-case1")
-    monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"suits": staticmethod(lambda _: False)})})
+    monkeypatch.setattr(uncertainty, "MODELS", {"lin": type("none", (), {"covers_scene": staticmethod(lambda _: False)})})
     assert uncertainty_of_loads(scene, found).inputs is None

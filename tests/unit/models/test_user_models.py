@@ -124,7 +124,7 @@ def test_a_specimen_is_written_into_its_scene():
         draw_geometry_with_errors(scene, layout, 2),
         draw_geometry_with_errors(scene_with_drawn_errors(scene, 2), layout),
     )
-    for what in ("ball_radius", "centre", "centre_slopes", "radius", "profile"):
+    for what in ("ball_radii", "groove_centres", "groove_centre_derivatives", "groove_radii", "profile_coefficients"):
         np.testing.assert_allclose(getattr(written, what), getattr(drawn, what), rtol=1e-14, atol=0.0)
     assert not scene_with_drawn_errors(scene, 2).errors.random
 

@@ -139,7 +139,7 @@ def two_flanks(b, shift):
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
     settle = jit.load_kernel_package(jit.STATICS, compiled=False).settle_ball
-    settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile, 0.0, contact)
+    settle(p, shift, geometry, b.closure, RIGID, b.radius, b.drawn.profile_coefficients, 0.0, contact)
     return contact
 
 

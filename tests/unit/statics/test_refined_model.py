@@ -24,7 +24,9 @@ QUIET = ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
 def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a climb times from nothing is kept here from one rung to the next, and compiled kernels serve."""
     monkeypatch.setattr(modelling, "clear_compliance_caches", lambda: None)
-    monkeypatch.setattr(modelling, "Options", lambda **_: ModelOptions(estimate_beam_mesh_error=False, engine="compiled"))
+    monkeypatch.setattr(
+        modelling, "ModelOptions", lambda **_: ModelOptions(estimate_beam_mesh_error=False, engine="compiled")
+    )
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:

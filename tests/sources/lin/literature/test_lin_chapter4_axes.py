@@ -52,7 +52,7 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     assert min(pinned[0] / clamped[0], pinned[1] / clamped[1]) > 1.2
 
 
-@pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene)
+@pytest.mark.parametrize("layout", axis.LAYOUTS, ids=lambda x: x.scene_name)
 def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: axis.SupportBearingLayout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
     scene, closed = (
