@@ -29,19 +29,19 @@ behind = { "modulus" = "one contact, in closed form", "balls" = ["acme-two-balls
 """,
     "evidence.py": '''
 from rollbench.lowfi.hertz import contact_modulus
-def table_1(sheet, study):
+def table_1(findings, cache):
     """Table 1."""
-    sheet.number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
-    balls = len(study.solve("acme-two-balls").load)
-    sheet.number("balls", float(balls))
+    findings.add_number("modulus", 1e-9 * contact_modulus(210e9, 0.28, 210e9, 0.28))
+    balls = len(cache.solve_once("acme-two-balls").load)
+    findings.add_number("balls", float(balls))
 ''',
     "page.py": '''
 from rollbench.compare.evidence import evidence
 from rollbench.compare.sections.verdicts import printed_numbers_table
 from rollbench.reports.content import Section
-def make_section(study, step):
+def make_section(cache, step):
     """Section of the report."""
-    return Section("acme", "Acme (1901)", (printed_numbers_table("acme-1", "Table 1", evidence(study, "acme-1")),))
+    return Section("acme", "Acme (1901)", (printed_numbers_table("acme-1", "Table 1", evidence(cache, "acme-1")),))
 ''',
 }
 

@@ -93,7 +93,7 @@ def lip(scene: Scene, distance: float, choices: Settings) -> float:
     found, patch = condense_nut(e, body, layout, sides, patches, choices, dims), patches[PRESSED]
     flat = patch.contact_points - points_in_box_at_azimuth_zero(m, size, PRESSED, np.zeros((1, 3)))
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
-    force = patch.areas * np.sqrt(np.maximum(1.0 - ((flat @ axes.T / choices.semi) ** 2).sum(axis=1), 0.0))
+    force = patch.nodal_areas * np.sqrt(np.maximum(1.0 - ((flat @ axes.T / choices.semi) ** 2).sum(axis=1), 0.0))
     counts = [found.modes_by_flank[s].shape[1] for s in sides]
     v, start = force / force.sum() @ found.modes_by_flank[PRESSED], sum(counts[: sides.index(PRESSED)])
 

@@ -307,7 +307,7 @@ def make_sections(
             sections |= made
             study.scenes |= used.scenes
             study.other_scenes |= used.other_scenes
-            study.evidence_by_table |= used.evidence
+            study.evidence_by_table |= used.evidence_by_table
         parts = last
     for part in parts:
         show_part_name(part.name)

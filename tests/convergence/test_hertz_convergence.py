@@ -58,7 +58,7 @@ def test_size_of_the_block_does_not_matter_once_its_cut_moves_as_the_half_space(
     solve = partial(study, JOBS[name], "Q2", b_over_h)
     found = np.array([solve(relative_block_size=size).approach for size in (2.0, SIZE, 5.0)])
     assert np.ptp(found) < 1e-3 * found.mean()
-    held = np.array([solve(size=size, far_field=False).approach for size in (SIZE, 5.0)])
+    held = np.array([solve(relative_block_size=size, far_field=False).approach for size in (SIZE, 5.0)])
     assert (held < 0.99 * found[1:]).all()
     assert held[0] < held[1]
 

@@ -50,7 +50,7 @@ def moved(ready, state, seed, size):
         # the held freedoms of other nodes keep their prescribed values: nodes move, deformations follow
         q[1:] = state[0][1:] + np.where(free[1:], q[0] - state[0][0], 0.0)
         q[1:] += np.where(free[1:], 1e-3 * size * rng.uniform(-1, 1, (q.shape[0] - 1, 6)) * unit, 0.0)
-        lengths = ready.given.shaft.lengths
+        lengths = ready.kernel_arrays.shaft.lengths
         rigid = q[:-1].copy()
         rigid[:, 0] += lengths * q[:-1, 4]
         rigid[:, 1] -= lengths * q[:-1, 3]
@@ -60,7 +60,7 @@ def moved(ready, state, seed, size):
 def energy(ready, q, d):
     ready.state.q[:], ready.state.d[:] = q, d
     out = EnergyDerivatives(np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4)))
-    return ready.engine.evaluate(ready.given, ready.state, out)[0], out.gradient
+    return ready.engine.evaluate(ready.kernel_arrays, ready.state, out)[0], out.gradient
 
 
 @pytest.mark.parametrize("case", SCENES)

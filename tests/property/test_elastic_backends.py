@@ -99,11 +99,13 @@ def energy_at(elastic, phi, amplitudes):
     state = ForceState(phi.copy(), amplitudes.copy(), elastic.state.ball_unknowns.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
     kernel.write_flank_motions(elastic.kernel_arrays.bodies, state, g, v)
-    of_balls, _ = elastic.engine.evaluate_balls(v, elastic.given.contacts, state, f)
+    of_balls, _ = elastic.engine.evaluate_balls(v, elastic.kernel_arrays.contacts, state, f)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
-    kernel.flank_motions_by_forces(elastic.given.bodies, excess, by_forces)
-    by_motions = -elastic.given.bodies.work - np.einsum("nac,na->c", elastic.given.bodies.R, f)
-    return of_balls + kernel.energy_of_bodies(elastic.given.bodies, state, g), by_forces, by_motions
+    kernel.flank_motions_by_forces(elastic.kernel_arrays.bodies, excess, by_forces)
+    by_motions = -elastic.kernel_arrays.bodies.work_on_free_motions - np.einsum(
+        "nac,na->c", elastic.kernel_arrays.bodies.R, f
+    )
+    return of_balls + kernel.energy_of_bodies(elastic.kernel_arrays.bodies, state, g), by_forces, by_motions
 
 
 @pytest.mark.parametrize("backend", LADDER)

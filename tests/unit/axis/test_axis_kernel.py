@@ -70,12 +70,12 @@ def ready(request):
 
 
 def evaluated(prepared, step=None, t=0.0):
-    s, state = prepared.system, prepared.state
-    out = EnergyDerivatives(np.zeros(state.q.shape), np.zeros((s.contacts.r_ball.size, 8, 8)))
+    s, state = prepared.assembly_arrays, prepared.state
+    out = EnergyDerivatives(np.zeros(state.q.shape), np.zeros((s.ball_arrays.r_ball.size, 8, 8)))
     q, d = state.q.copy(), state.d.copy()
     if step is not None:
-        beam.advance_along_step(s.axis, state, q, d, step, t)
-    energy, _ = axis.evaluate_axis(prepared.given, state, out)
+        beam.advance_along_step(s.structure_arrays, state, q, d, step, t)
+    energy, _ = axis.evaluate_axis(prepared.kernel_arrays, state, out)
     state.q[:], state.d[:] = q, d
     return energy, out
 
@@ -91,12 +91,12 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     assert slope == pytest.approx(float((out.gradient * step).sum()), rel=1e-6)
     change = (ends[1][1].gradient - ends[0][1].gradient) / 2e-2
     evaluated(ready)
-    values = np.zeros(s.axis.start[-1])
-    axis.add_axis(values, s.axis)
-    axis.add_balls(values, s.axis, s.contacts, out.ball_hessians)
-    axis.add_rollers(values, s.axis, s.slices, ready.state.slices)
-    lines = full(values, s.axis)
-    place = (6 * s.axis.place[:, None] + np.arange(6)).ravel()
+    values = np.zeros(s.structure_arrays.row_offsets[-1])
+    axis.add_axis(values, s.structure_arrays)
+    axis.add_balls(values, s.structure_arrays, s.ball_arrays, out.ball_hessians)
+    axis.add_rollers(values, s.structure_arrays, s.roller_slice_arrays, ready.state.slices)
+    lines = full(values, s.structure_arrays)
+    place = (6 * s.structure_arrays.body_order[:, None] + np.arange(6)).ravel()
     placed = np.zeros(len(lines))
     placed[place] = step.ravel()
     product = (lines @ placed)[place].reshape(step.shape)
@@ -106,9 +106,9 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
 
 def full(values, arrays):
     """Symmetric matrix of an envelope."""
-    n = arrays.first.size
+    n = arrays.first_columns.size
     out = np.zeros((n, n))
     for i in range(n):
-        j = np.arange(arrays.first[i], i + 1)
-        out[i, j] = out[j, i] = values[arrays.start[i] + j]
+        j = np.arange(arrays.first_columns[i], i + 1)
+        out[i, j] = out[j, i] = values[arrays.row_offsets[i] + j]
     return out

@@ -64,8 +64,8 @@ def test_the_first_contact_is_lost_where_lift_off_says(solved) -> None:
     scene, _, found = solved
     before, after = (solve_with_scaled_loads(scene, f * found.lift_off.factor, "lin", QUIET) for f in (0.98, 1.02))
     assert before.load.min() > 0.0
-    assert after.load[found.lift.ball - 1, ["SL", "SR", "NL", "NR"].index(found.lift.side)] == 0.0
-    assert found.lift.axial == pytest.approx(5000.0 * found.lift.factor)
+    assert after.load[found.lift_off.ball - 1, ["SL", "SR", "NL", "NR"].index(found.lift_off.side)] == 0.0
+    assert found.lift_off.axial == pytest.approx(5000.0 * found.lift_off.factor)
 
 
 def test_lift_off_below_the_scenes_load_and_without_preload() -> None:

@@ -66,7 +66,7 @@ def pressed(seed):
 def dense(C):
     """The whole matrix of a compliance."""
     U = block_diag(*C.modes_by_ball)
-    return block_diag(*(block.dense_compliance_matrix() for block in C.blocks)) + U @ C.coupling @ U.T
+    return block_diag(*(block.dense_compliance_matrix() for block in C.ball_compliances)) + U @ C.mode_compliance @ U.T
 
 
 def solved(C, gap, directions, load):

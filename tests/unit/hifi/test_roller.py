@@ -58,10 +58,10 @@ def middle_approach(body, matrix, load):
     areas = np.asarray(pressure_function_integrals(body.mesh, body.contact_nodes.ravel()).sum(axis=1)).reshape(
         body.contact_nodes.shape
     )
-    shape = np.sqrt(np.maximum(1.0 - (body.across / B) ** 2, 0.0)) * np.ones(body.contact.shape)
+    shape = np.sqrt(np.maximum(1.0 - (body.distances_from_contact_line / B) ** 2, 0.0)) * np.ones(body.contact_nodes.shape)
     forces = areas * shape
     forces *= 0.5 * load * 2.0 * HALF / forces.sum()
-    middle = len(body.along) // 2 * len(body.across)
+    middle = len(body.distances_from_apex) // 2 * len(body.distances_from_contact_line)
     return float((matrix @ forces.ravel())[middle])
 
 

@@ -57,7 +57,7 @@ def test_a_nut_whose_groove_ends_is_sound(hand):
     """Sockets where they are without ends, flanks exact where the groove is whole and on the land's cylinder where it is
     filled; the volume is that of the tube without the channel of varying depth."""
     m, spec = map_and_spec(small_screw(5, hand=hand, phase=0.3), (2,))
-    body, through = mesh_grooved_body(m, spec), mesh_grooved_body(m, replace(spec, ends=False))
+    body, through = mesh_grooved_body(m, spec), mesh_grooved_body(m, replace(spec, groove_ends_inside=False))
     assert body.quality.smallest_jacobian > 0.01
     assert body.flank_deviation < 1e-12
     for nodes, socket in zip(body.nodes_on_box_faces, spec.contact_positions, strict=True):

@@ -149,7 +149,7 @@ def test_gaps_of_a_ring_close_around():
         (
             LIN,
             1.6e-3,
-            {"land_screw": 15.6e-3},
+            {"screw_land_radius": 15.6e-3},
             r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower",
         ),
         (FLAT, 1e-3, {}, r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"),
@@ -186,7 +186,7 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
     radius = conformity * case.balls.radius
     case = replace(case, screw=replace(case.screw, groove_radius=radius), nut=replace(case.nut, groove_radius=radius))
     m = GrooveMap.from_scene(case)
-    size = fitted(case, land_screw=16.45e-3, land_nut=16.55e-3)
+    size = fitted(case, screw_land_radius=16.45e-3, nut_land_radius=16.55e-3)
     for side in ALL:
         x3, z3 = m.polar_to_section(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
         angle = np.degrees(np.arctan2(np.abs(z3), np.abs(x3)))
@@ -199,12 +199,17 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
 @pytest.mark.parametrize(
     ("case", "sides", "change", "match"),
     [
-        (scene("lin-case1"), (0,), {"land_screw": 14.9e-3}, r"narrow.*edge of the groove.*14\.9 mm.*deepen the groove"),
-        (scene("lin-case1"), (0,), {"land_screw": 14.3e-3}, "SL flank ends before its contact.*move the land"),
+        (
+            scene("lin-case1"),
+            (0,),
+            {"screw_land_radius": 14.9e-3},
+            r"narrow.*edge of the groove.*14\.9 mm.*deepen the groove",
+        ),
+        (scene("lin-case1"), (0,), {"screw_land_radius": 14.3e-3}, "SL flank ends before its contact.*move the land"),
         (small_screw(4, beta=np.radians(8.0)), (0,), {}, "narrow.*apex.*bring the groove radius closer"),
         (small_screw(4, beta=np.radians(9.0)), (0, 1), {}, "narrow.*deg.*contact|narrow.*apex"),
-        (scene("lin-case1"), (0,), {"bore_screw": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
-        (scene("lin-case1"), (3,), {"outer_nut": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
+        (scene("lin-case1"), (0,), {"screw_bore_radius": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
+        (scene("lin-case1"), (3,), {"nut_outer_radius": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
         (
             with_balls(small_screw(4), [0.0, 1.0, 1.06]),
             ALL,
@@ -215,10 +220,15 @@ def test_sockets_of_a_ball_stay_apart(beta, conformity):
         (
             scene("bearing-9"),
             ALL,
-            {"ends": (2.5e-3, 13.5e-3)},
+            {"nut_end_positions": (2.5e-3, 13.5e-3)},
             "outermost balls are only 5.5 mm and 5.5 mm.*lengthen the nut",
         ),
-        (scene("lin-case1"), ALL, {"ends": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move the balls"),
+        (
+            scene("lin-case1"),
+            ALL,
+            {"nut_end_positions": (0.3, 0.41)},
+            "from the flat ends; lengthen the nut or move the balls",
+        ),
         (with_lead(4.0e-3), ALL, {}, "next turn of the groove is only 4 mm away; raise the lead"),
     ],
 )

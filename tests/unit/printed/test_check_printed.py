@@ -20,7 +20,10 @@ def test_sources_tables_and_entries_can_be_chosen(command):
 
 
 def test_a_verdict_that_differs_from_the_expected_is_shown_and_fails(command, monkeypatch):
-    rows = [replace(row, verdict="identity") if row.key == "e_S" else row for row in printed.load_printed_table("lin-B1")]
+    rows = [
+        replace(row, expected_verdict="identity") if row.key == "e_S" else row
+        for row in printed.load_printed_table("lin-B1")
+    ]
     monkeypatch.setattr("rollbench.compare.evidence.load_printed_table", lambda _: tuple(rows))
     code, data = command.json(*HERE, "--only", "lin-B1:e_S", "--json")
     assert (code, data["changed_verdicts"]) == (

@@ -63,7 +63,7 @@ def test_a_title_cannot_leave_its_place():
 
 def test_without_loads_there_is_no_view(tmp_path):
     result = rollbench.solve("two-balls", "lin")
-    lost = replace(result, solved=(replace(result.solved[0], answers=None),))
+    lost = replace(result, solved=(replace(result.solved[0], derived_results=None),))
     with pytest.raises(ValueError, match="no loads to draw"):
         lost.view(tmp_path / "none.html")
     assert not (tmp_path / "none.html").exists()

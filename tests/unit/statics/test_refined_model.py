@@ -61,7 +61,7 @@ def test_condensed_bodies_from_a_file(command) -> None:
 
 def test_bodies_of_other_parts_are_refused() -> None:
     with pytest.raises(InputError, match="other parts"):
-        run_model(catalogue.scene("unseen-lead10"), "condensed", replace(QUIET, condensed=bodies()))
+        run_model(catalogue.scene("unseen-lead10"), "condensed", replace(QUIET, condensed_bodies_file=bodies()))
 
 
 def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_ones() -> None:
