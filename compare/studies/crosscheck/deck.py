@@ -42,11 +42,12 @@ from rollbench.meshes.parts import FREEDOMS, SIDES, Scene
 from rollbench.meshes.sockets import RefinementBoxSize, local_coordinates_in_refinement_box
 from rollbench.meshes.solid import Dimensions, dimensions_of_3d_parts
 
-#: Semi-axes over those of the expected contact ellipse: of the refined zone (a factor), and of the zones of contact faces
-#: on slave (ball) and master (groove) (a factor, and a number of element sizes that are added).
+#: How semi-axes of three zones follow from those of the expected contact ellipse. Zone of small elements: a factor. Zones
+#: of contact faces on the slave (ball), then on the master (groove): a factor, and a number of element sizes that are
+#: added.
 FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
 
-#: Smallest load over the mean load with which the size of a contact is estimated.
+#: Smallest load with which the size of a contact is estimated, as a fraction of the mean load.
 LEAST = 0.1
 
 
@@ -67,9 +68,9 @@ class ExpectedContact:
 def unit_load_semi_axes(scene: Scene, side: int) -> tuple[float, float]:
     """Return the semi-axes of a contact ellipse under a load of 1 N, across and along the groove [m/N^(1/3)].
 
-    They follow from Hertz's theory for the nominal geometry. The longer semi-axis lies across the groove, where ball
-    and groove conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut left and
-    right).
+    The semi-axes follow from Hertz's theory for the nominal geometry. The longer semi-axis lies across the groove,
+    where ball and groove conform. ``side``: number of the flank, 0 to 3 for SL, SR, NL, NR (screw left and right, nut
+    left and right).
     """
     track, balls = scene.track, scene.balls
     part = scene.screw if side < 2 else scene.nut
@@ -243,7 +244,7 @@ class MeshedDeck:
 
 
 def raise_first_fault(where: str, faults: Iterable[tuple[bool, str, str, str, str]]) -> None:
-    """Raise InputError for the first fault in a list that is present; without one do nothing.
+    """Raise InputError for the first possible fault of a scene that is present; do nothing if none is.
 
     ``where``: name of the scene or file in the error message; ``faults``: for each fault whether it is present, the
     key, the refused value, the allowed values, and advice.
@@ -402,7 +403,7 @@ def _mesh_screw_and_nut(
     element_size: float,
     options: DeckOptions,
 ) -> list[tuple[DeckBody, float]]:
-    """Mesh a piece of the screw and the nut; return each body with the smallest scaled Jacobian of its elements.
+    """Mesh the nut and a piece of the screw; return each body with the smallest scaled Jacobian of its elements.
 
     ``dims``: dimensions of the bodies, with the ends of the piece of the screw; ``errors``: geometric errors;
     ``groove_map``: nominal geometry of the grooves; ``contacts``: expected contacts; ``element_size``: element size at
@@ -489,9 +490,9 @@ def _mesh_balls(
 def half_ball_turning_constraint(points: Array, pair: Index) -> Index:
     """Return the constraint (1, 3) that keeps a half ball from turning about y: two nodes move alike along an axis.
 
-    Its entries are the numbers of the two nodes, and the number of the axis. The cut of the half ball stays in the
-    plane y = 0, so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers of
-    two nodes.
+    The three entries are the numbers of the two nodes, and the number of the axis. The cut of the half ball stays in
+    the plane y = 0, so that no other rotation is possible. ``points``: nodes of the ball (n, 3) [m]; ``pair``: numbers
+    of two nodes.
     """
     arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
     return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
@@ -578,7 +579,7 @@ def _deck_heading(
 def _clause_on_load_error(scene: Scene, static_result: StaticResult) -> str:
     """Return a clause for the deck's heading on the error to expect in the low-order model's contact loads.
 
-    ``static_result``: its static result.
+    ``static_result``: static result of the low-order model.
     """
     form = estimate_model_error(scene, static_result)
     if not static_result.converged or form.percent is None:

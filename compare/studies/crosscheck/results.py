@@ -1,15 +1,16 @@
-"""Stored contact loads by CalculiX, compared with the 3D reference contact by contact, with the errors of both.
+"""Stored contact loads by CalculiX, compared with the 3D reference contact by contact, with both uncertainties.
 
 CalculiX's loads are extrapolated to zero element size and to rigid contact, with their uncertainty.
 
 Elements of a deck have size h at the contacts and grow by g per distance d from them. With c the length over which the
-field of a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the
-energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error of order p of the
-elements' relative size thus changes a load in proportion to
+field of a contact changes, the element size at the distance d, divided by the length over which the field changes there, is
+(h + g d) / (c + d). The energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error
+of order p of the elements' relative size thus changes a load in proportion to
 
     e = int_0^1 (x h / c + (1 - x) g)^p dx,
 
-and the compliance 1 / k of the contact law to first order (an overclosure in series with the approach of the contact):
+The compliance 1 / k of the contact law (an overclosure in series with the approach of the contact) changes a load F in
+proportion to 1 / k, to first order:
 
     F = F0 + A e + B / k,  c = lambda b,  b the minor semi-axis of the contact at its load.
 
@@ -52,7 +53,7 @@ class BodyMesh:
     name: str
     #: Number of nodes.
     nodes: int
-    #: Number of cells.
+    #: Number of finite elements.
     cells: int
     #: Smallest scaled Jacobian of an element.
     smallest: float
@@ -118,7 +119,7 @@ class CalculixRunsOfScene:
     rollbench: str
     #: Version of gmsh that made the meshes.
     gmsh: str
-    #: The runs.
+    #: The solutions, one for each deck.
     runs: tuple[CalculixRun, ...]
 
 
@@ -149,7 +150,7 @@ def save_calculix_results(folder: Path, data: CalculixRunsOfScene) -> Path:
 
 
 def load_calculix_results(folder: Path, scene: str) -> CalculixRunsOfScene | None:
-    """Return the stored CalculiX results of a scene from a folder; None if there is no file.
+    """Return the stored CalculiX results of a scene from a folder; None if the folder has no such file.
 
     Raises InputError for a damaged file.
     """
@@ -194,7 +195,7 @@ LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
 #: Order p and length lambda with which the weights of the meshes are computed.
 WEIGHING = (3.0, 1.7)
 
-#: Misfits of a fit below this share of the largest load count as zero.
+#: Misfits of a fit below this fraction of the largest load count as zero.
 EXACT = 1e-9
 
 #: Number of standard errors of a limit that its uncertainty contains, and smallest uncertainty over the extrapolated change
@@ -218,7 +219,7 @@ class LoadExtrapolation:
     misfit: float
     #: Effect of the finite element size in the run nearest to the limit, (n, 4) [N].
     element_size_effect: Array
-    #: Effect of the contact stiffness in that run, (n, 4) [N].
+    #: Effect of the finite contact stiffness in the run nearest to the limit, (n, 4) [N].
     contact_stiffness_effect: Array
     #: Names of mesh sizes and contact options that no run varies.
     unvaried_options: tuple[str, ...]
@@ -291,11 +292,11 @@ def extrapolate_loads(runs: Sequence[CalculixRun]) -> LoadExtrapolation:
     Parameters
     ----------
     runs
-        Runs of one scene.
+        Solutions of one scene with several meshes and contact stiffnesses.
 
     Returns
     -------
-    Extrapolation
+    LoadExtrapolation
         Extrapolated loads with their uncertainty.
 
     Raises
@@ -365,7 +366,7 @@ def _relative_element_errors_of_contacts(
 
 @dataclass(frozen=True)
 class _LoadFit:
-    """Weighted least-squares fit of all contact loads over the error of the elements, for one order and length.
+    """Weighted least-squares fit of all contact loads over the error of the elements, for one order p and length lambda.
 
     m: number of meshes; c: number of contacts.
     """
@@ -445,7 +446,7 @@ class ContactLoadComparison:
     theirs: float
     #: Uncertainty of that load [% of the mean load of the 3D reference].
     theirs_percent: float
-    #: Difference of both [% of the mean load of the 3D reference].
+    #: Load by the 3D reference less load by CalculiX [% of the mean load of the 3D reference].
     difference: float
 
     def cells(self) -> dict[str, Cell]:
@@ -522,8 +523,8 @@ def columns_of_load_table(data: CalculixRunsOfScene, reference: Reference) -> li
 def agreement_sentence(name: str, rows: Sequence[ContactLoadComparison]) -> str:
     """Return a sentence on the largest and RMS difference of contact loads between the 3D reference and CalculiX.
 
-    It also says at how many contacts the loads differ by more than the uncertainties of both programs. ``name``: name of
-    the scene; ``rows``: comparison of each contact.
+    The sentence also says at how many contacts the difference exceeds the combined uncertainty of both programs.
+    ``name``: name of the scene; ``rows``: comparison of each contact.
     """
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))

@@ -159,7 +159,8 @@ def read_forces_and_displacements(text: str) -> tuple[dict[str, Triple], dict[st
     """Return contact forces and displacements of the last time step from the text of a .dat file of CalculiX.
 
     The first dictionary has the contact force along x, y, z by the name of the ball's faces. The second has the
-    displacement along x, y, z by node set and number of the node. Both are in the units of the deck.
+    displacement along x, y, z by node set and number of the node. Forces and displacements are in the units of the
+    deck.
     """
     forces: dict[str, Triple] = {}
     moved: dict[str, dict[int, Triple]] = {}
@@ -177,7 +178,7 @@ def read_forces_and_displacements(text: str) -> tuple[dict[str, Triple], dict[st
 def read_iterations_and_correction(text: str) -> tuple[int, float]:
     """Return the number of iterations of all increments, and the last correction over the largest displacement [%].
 
-    ``text``: text of a .cvg file of CalculiX. A linear step has no entry there and counts as one iteration.
+    ``text``: text of a .cvg file of CalculiX. A linear step has no entry in this file and counts as one iteration.
     """
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
     return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)
@@ -197,7 +198,8 @@ def _deck_options(*rows: tuple[float, float, float], half: bool = False, alike: 
 
 
 #: Decks of every scene that is checked. Element size at the contacts and growth are varied one by one on coarse meshes, and
-#: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
+#: refined together (b/h times growth 0.48) on half bodies and on balls that have the same mesh. Further decks vary the
+#: contact stiffness, or take large displacements into account.
 STUDIES: dict[str, list[DeckOptions]] = {
     "two-balls": [
         *_deck_options((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8)),
@@ -274,8 +276,8 @@ def solve_decks_of_scene(
 def calculix_run_record(meshed: MeshedDeck, options: DeckOptions, deck: str, outcome: CalculixResult) -> CalculixRun:
     """Return the record of a CalculiX solution in the form in which it is stored.
 
-    ``meshed``: the deck with its meshes; ``options``: its options; ``deck``: digest of its text; ``outcome``: results
-    of CalculiX. Raises ValueError if the results of a contact are missing.
+    ``meshed``: the deck with its meshes; ``options``: options of the deck; ``deck``: digest of the deck's text;
+    ``outcome``: results of CalculiX. Raises ValueError if the results of a contact are missing.
     """
     mirror = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
     forces = {slave: mirror * np.array(force) for slave, force in outcome.forces.items()}
@@ -345,9 +347,9 @@ class NutComplianceComparison:
 
     #: Name of the scene.
     scene: str
-    #: Digest of its content.
+    #: Digest of the scene's content.
     key: str
-    #: Number of nodes.
+    #: Number of nodes of the nut's mesh.
     nodes: int
     #: Compliances by the elements of the 3D reference [m/N].
     ours: list[list[float]]
@@ -360,7 +362,7 @@ class NutComplianceComparison:
 
     @property
     def difference(self) -> float:
-        """Largest difference of a compliance between both programs, over the smallest one at a loaded contact [%]."""
+        """Largest difference of a compliance between both programs, over the smallest one of a loaded contact [%]."""
         ours, theirs = np.array(self.ours), np.array(self.theirs)
         return float(100.0 * np.abs(ours - theirs).max() / np.diag(theirs).min())
 
@@ -375,7 +377,7 @@ class NutComplianceComparison:
 
 
 def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[InputDeck], Array]:
-    """Return one CalculiX deck of the nut for each of k contacts, loaded at this contact only, then the normals (k, 3).
+    """Return one CalculiX deck of the nut for each of k contacts, loaded at it only, then the contact normals (k, 3).
 
     ``options``: mesh sizes of the decks. Raises InputError for scenes that `build_deck` refuses.
     """
@@ -408,10 +410,10 @@ def nut_decks(scene: Scene, options: DeckOptions = NUT_MESH) -> tuple[list[Input
 
 
 def section_translations(decks: list[InputDeck]) -> Array:
-    """Return the translations of rigid sections under the forces of each deck, (decks, sections, 3) [m], by our elements.
+    """Return the translations (decks, sections, 3) [m] of rigid sections under the forces of each deck, without CalculiX.
 
-    They are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that differ only in
-    loads; they have one body, no contacts, and sections without fixed degrees of freedom.
+    The translations are computed by the elements and the linear solver of the 3D reference. ``decks``: decks that
+    differ only in loads; they have one body, no contacts, and sections without fixed degrees of freedom.
     """
     body, sections = decks[0].bodies[0], decks[0].rigid_sections
     mesh, number = build_mesh(body.points, body.cells, "P2")
@@ -428,10 +430,10 @@ def section_translations(decks: list[InputDeck]) -> Array:
 def _matrix_of_rigid_sections(
     body: DeckBody, sections: tuple[RigidSection, ...], number: NDArray[np.int64], fixed: tuple[str, ...]
 ) -> sp.csc_array:
-    """Return the matrix that gives a body's nodal displacements from its degrees of freedom and those of rigid sections.
+    """Return the matrix that converts free degrees of freedom of a body and its rigid sections to nodal displacements.
 
-    Its last columns belong to the six degrees of freedom of each section. ``number``: number in the finite-element mesh
-    of each node of the body; ``fixed``: names of the fixed node sets.
+    The last columns belong to the six degrees of freedom of each rigid section. ``number``: number in the
+    finite-element mesh of each node of the body; ``fixed``: names of the fixed node sets.
     """
     free = np.ones(3 * len(body.points), dtype=bool)
     for name in (*fixed, *(s.node_set for s in sections)):

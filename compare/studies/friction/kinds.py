@@ -57,7 +57,7 @@ TOUCHING = 1e-9
 
 
 def full_sliding_loss(groove: ScrewGroove, force: Array) -> float:
-    """Return the friction loss [W] that a screw would have if all contacts slid at the groove's speed; infinite at rest.
+    """Return the friction loss [W] of a screw if all contacts slid at the groove's speed; infinite for a groove at rest.
 
     ``groove``: groove with its coefficient of friction, speed and radius; ``force``: contact loads [N], of any shape. A
     computed loss that is tiny compared with this one is round-off.
@@ -286,16 +286,16 @@ def simulate_screw_over_time(scene: ScrewRunScene) -> answer.FrictionAnswer:
 RUN_COLUMNS = (("quantity", "quantity", "s"), ("value", "value", "s"))
 
 RUN_LINES = (
-    ("largest_ball_to_groove_percent", "largest torque by ball-to-ball contact over the grooves' %", ".4g"),
-    ("largest_at_deg", "nut angle of it deg", ".4g"),
+    ("largest_ball_to_groove_percent", "largest ratio of torque by ball-to-ball contact to torque of the grooves %", ".4g"),
+    ("largest_at_deg", "nut angle at this largest ratio deg", ".4g"),
     ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
     ("contact_ends_deg", "nut angle of the first instant without contact after the largest deg", ".4g"),
-    ("contact_ends_within_deg", "known to one step of deg", ".4g"),
-    ("largest_groups", "groups of touching balls at most", "d"),
+    ("contact_ends_within_deg", "this angle is known to within deg", ".4g"),
+    ("largest_groups", "largest number of groups of touching balls", "d"),
     ("mean_torque_Nmm", "mean torque N mm", ".5g"),
-    ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),
-    ("mean_ball_torque_Nmm", "of ball to ball N mm", ".5g"),
-    ("mean_closing_torque_Nmm", "of which by gaps that close N mm", ".3g"),
+    ("mean_groove_torque_Nmm", "part of the grooves in the mean N mm", ".5g"),
+    ("mean_ball_torque_Nmm", "part of ball-to-ball contact in the mean N mm", ".5g"),
+    ("mean_closing_torque_Nmm", "of this part by gaps that close N mm", ".3g"),
     ("groove_variation_percent", "variation of the grooves' torque %", ".4g"),
     ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"),
     ("order_kept", "order of balls kept", "s"),
@@ -334,7 +334,7 @@ def status_of_bearing_ball(loaded: bool, balanced: bool, motion: str) -> str:
 
 
 def json_row_of_bearing_ball(load: ContactLoadSolution, at: EllipticalContacts, motion: BallMotion) -> dict[str, Any]:
-    """Return the JSON row of one ball of a bearing: loads, contact ellipses, motion, friction and losses.
+    """Return the JSON row of one ball of a bearing: contact loads and ellipses, motion, friction and losses.
 
     ``load``: contact loads; ``at``: contact ellipses; ``motion``: motion of the ball with its friction. The axes x and z of
     a contact lie across and along its groove. The ball does not turn about its third axis, because loads and friction lie
@@ -607,11 +607,11 @@ def solve_friction_of_single_parts(scene: FrictionScene) -> FrictionAnswer:
     Parameters
     ----------
     scene
-        The scene.
+        Friction scene of one of these kinds.
 
     Returns
     -------
     FrictionAnswer
-        The answer.
+        JSON values, tables and text lines on its friction.
     """
     return SOLVERS[scene.kind](scene)

@@ -39,10 +39,10 @@ LONG = 60
 
 
 def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float]:
-    """Return contact angles and contact loads of the balls of a linear bearing, and their imbalance.
+    """Return contact angles and contact loads of the balls of a linear bearing, then the largest unbalanced force.
 
     With the scene's distribution "diagonal" both contacts of a diagonal carry equal loads, an approximation in Lin's
-    thesis. The imbalance that it leaves is reported, but does not count as a failure.
+    thesis. The unbalanced force that this approximation leaves is reported, but does not count as a failure.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def linear_bearing_loads(scene: LinearBearingScene) -> tuple[Array, Array, float
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If contact angles that follow the loads allow no equilibrium.
     """
     if scene.distribution == "elastic":
@@ -80,9 +80,9 @@ def json_rows_of_linear_balls(
 ) -> list[dict[str, Any]]:
     """Return one JSON row per ball of a linear bearing: contact loads, speed, rotation and friction loss.
 
-    ``angles``: contact angles (N, 4) [rad] at the four contacts of N balls; ``force``: contact loads (N, 4) [N]; ``apart``
-    and ``touching``: solutions with the balls far apart, and with balls that touch. Speeds are those of both solutions;
-    rotation and loss are those of touching balls.
+    ``angles``: contact angles (N, 4) [rad] at the four contacts of N balls; ``force``: contact loads (N, 4) [N];
+    ``apart`` and ``touching``: solutions with the balls far apart, and with balls that touch. Each row has the speeds
+    of both solutions, but rotation and loss with touching balls only.
     """
     rows = []
     for k in range(force.shape[0]):

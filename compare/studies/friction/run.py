@@ -58,17 +58,17 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class TransientRun:
-    """Simulation of a screw over time, with the estimated error due to its finite time steps, and its status."""
+    """Simulation of a screw over time, with the estimated error due to the finite time steps, and a status."""
 
     #: Time series of contact loads, torques and motions of the balls.
     history: TravelHistory
     #: Estimated errors of the time steps; None if not estimated.
     error: TimeStepErrors | None
-    #: Largest error that is allowed.
+    #: Largest allowed error due to the time steps, as a fraction of the mean torque.
     allowed_error: float
     #: Whether the scene states the number of time steps.
     step_count_given: bool
-    #: "converged" if every step converged and no error is above the goal; else the reason why not.
+    #: "converged" if every step converged and no error is above ``allowed_error``; else the reason why not.
     status: str
     #: Whether the answer has the history of each ball.
     shows_ball_histories: bool = True
@@ -86,7 +86,7 @@ def simulate_friction_over_time(
 
     ``scene``: scene with a [time] table; ``friction``: coefficients of friction; ``motion``: motion of screw or nut;
     ``model``: name of the static model; ``specimen``: number of the draw of random errors. Raises InputError if the
-    model cannot solve moving balls, and Refusal if the circuits have no room for the balls.
+    model cannot solve moving balls, and SceneNotCoveredError if the circuits have no room for the balls.
     """
     time = scene.time
     if time is None:
@@ -228,9 +228,9 @@ def why_no_step_error(run: TransientRun) -> str | None:
 def transient_energy_json(history: TravelHistory) -> dict[str, Any]:
     """Return the energies of a simulation over time [J], and their largest imbalances, as JSON.
 
-    Energies are the work of torque and axial load on the screw, and the friction losses. Two imbalances are given, each
-    the largest of any time step over the losses of that step: that of the power which the contacts take in, and that of
-    the power of torque and axial load.
+    Energies are the work of torque and axial load on the screw, and the friction losses. There are two imbalances: one
+    of the power that the contacts take in, one of the power of torque and axial load. Each is the largest of any time
+    step, divided by the losses of that step.
     """
     turning, along = history.turning_and_axial_speed
     loss = history.torque * abs(turning)

@@ -1,7 +1,7 @@
 """Friction of a whole screw or bearing: contact loads by a static model, then friction of every ball and the torques.
 
-Also shown is the effect of inputs that decide a torque and that a scene may leave out: coefficient of friction, preload,
-and play of the balls.
+A scene may leave out the coefficient of friction, the preload and the play of the balls: the effect of these inputs on the
+torques is also shown.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ MAKERS = 0.05
 #: Reduction of the ball radius [m] to show the effect of a play that is not stated.
 SMALLER = 5e-6
 
-#: Factor by which the torque grows as friction moves the balls, from which on a warning is given.
+#: A warning is given if the torque grows by at least this factor because friction moves the balls.
 FED_BACK = 1.5
 
 
@@ -237,8 +237,9 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
 def onset_of_touching(solved: StaticallySolvedPart, result: StaticResult) -> FrictionOnset | None:
     """Return after which rotation neighbouring balls touch, and how large geometric errors must be for that.
 
-    The size of the errors is given as a factor on those of the scene. ``solved``: the scene with its model and motion;
-    ``result``: static result with the contact loads. None if the balls overlap, or if their circuits are not possible.
+    The necessary size is stated as a factor on the scene's own errors. ``solved``: the scene with its model and motion;
+    ``result``: static result with the contact loads. The result is None if the balls overlap, or do not fit into their
+    circuits.
     """
 
     def touch_with_errors(factor: float) -> bool:

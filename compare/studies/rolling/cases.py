@@ -29,8 +29,8 @@ from rollbench.meshes.parts import SIDE_SIGNS
 
 #: Largest number of balls that the 3D model of rolling takes.
 MOST = 4
-#: Signs of the contact directions (x, y): contacts BL, BR, TR, TL (bottom left to top left) of a linear bearing, or IL, IR,
-#: OR, OL (inner left to outer left) of a rotary one.
+#: Signs of the components x, y of the directions of a ball's contacts, in the order BL, BR, TR, TL (bottom left to top
+#: left) of a linear bearing, or IL, IR, OR, OL (inner left to outer left) of a rotary one.
 LINEAR = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 RING = LINEAR
 #: Whether each contact of a linear bearing is on the part that moves.
@@ -74,7 +74,7 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If the 3D model does not cover the scene.
     """
     if isinstance(scene, LinearBearingScene):
@@ -90,7 +90,7 @@ def prepare_rolling_case(scene: FrictionScene, choices: RollingSettings) -> Roll
 
 
 def _refuse_scene(scene: FrictionScene, key: str, reason: str, advice: str) -> None:
-    """Raise Refusal for a feature of a scene that the 3D model of rolling does not cover.
+    """Raise SceneNotCoveredError for a feature of a scene that the 3D model of rolling does not cover.
 
     ``key``: key of the scene file with this feature; ``reason`` and ``advice``: parts of the message.
     """
@@ -98,7 +98,7 @@ def _refuse_scene(scene: FrictionScene, key: str, reason: str, advice: str) -> N
 
 
 def _contact_directions(angles: Array, signs: Array) -> Array:
-    """Return unit vectors (..., 2) along contact normals in the section of the groove.
+    """Return unit vectors (..., 2) along contact normals in the cross-section of the groove.
 
     ``angles``: contact angles (...,) [rad]; ``signs``: signs of the two components (..., 2).
     """
@@ -106,7 +106,7 @@ def _contact_directions(angles: Array, signs: Array) -> Array:
 
 
 def _linear_case(scene: LinearBearingScene) -> RollingCase:
-    """Return the balls of a linear bearing as input of the 3D model; raise Refusal for too many balls or no motion."""
+    """Return the balls of a linear bearing as 3D input; raise SceneNotCoveredError for too many balls or no motion."""
     b, count = scene.bearing, len(scene.side)
     if count > MOST:
         _refuse_scene(
@@ -134,7 +134,7 @@ def _linear_case(scene: LinearBearingScene) -> RollingCase:
 
 
 def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float) -> Array:
-    """Return the contact loads (4,) [N] of one ball of a linear bearing in equilibrium, at given contact angles.
+    """Return the contact loads (4,) [N] in equilibrium on one ball of a linear bearing, at given contact angles.
 
     ``normals``: contact normals (4, 2) of the contacts BL, BR, TR, TL (bottom left to top left); they are replaced by
     those of the nominal contact angle if the scene's distribution is "diagonal"; ``rho``: side force over vertical
@@ -174,8 +174,8 @@ def _loads_with_elastic_angles(
 def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     """Return two balls of a ball screw as input of the 3D model of rolling.
 
-    ``choices``: grid of the contacts. Raises Refusal for features that the model does not have: printed Hertz
-    constants, friction that moves the screw, and a groove at rest.
+    ``choices``: grid of the contacts. Raises SceneNotCoveredError for features that the model does not have: printed
+    Hertz constants, friction that moves the screw, and a groove at rest.
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
@@ -246,8 +246,8 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
 def _bearing_case(scene: BearingBallScene) -> RollingCase:
     """Return one ball of a rotary bearing as input of the 3D model of rolling.
 
-    Raises Refusal for features that the model does not have: friction laws other than Coulomb's, Hertz constants other
-    than the exact ones, and a ring at rest.
+    Raises SceneNotCoveredError for features that the model does not have: friction laws other than Coulomb's, Hertz
+    constants other than the exact ones, and a ring at rest.
     """
     b = scene.bearing
     if scene.law != "coulomb" or b.hertz != "right":

@@ -54,10 +54,10 @@ from rollbench.lowfi.friction.screw.run import solve_pair_of_screw_balls
 
 
 def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]:
-    """Solve a friction scene of rolling balls by the low-order model; return values, run time and status.
+    """Solve a friction scene of rolling balls by the low-order model; return first values, then run time, then status.
 
-    Values are forces, speeds and losses by names that end in the unit. The time [s] is that of a second solution, when
-    code and caches are loaded.
+    The values are forces, speeds and losses by names that end in the unit. The run time [s] is that of a second
+    solution, when code and caches are loaded.
     """
     kinds: dict[type[FrictionScene], Callable[[Any], tuple[dict[str, float], str]]]
     kinds = {
@@ -170,17 +170,17 @@ class RollingComparisonRow:
     reference: float
     #: Uncertainty of the 3D model.
     uncertainty: float
-    #: Printed value of the low-order model of Lin's thesis.
+    #: Value that Lin's thesis prints for its low-order model; None if it prints none.
     printed: float | None
-    #: Printed value of the finite elements of Lin's thesis (ANSYS).
+    #: Value that Lin's thesis prints for its finite elements (ANSYS); None if it prints none.
     printed_ansys: float | None
     #: Value of the 3D model with elastic bodies and flat contacts.
     flat: float
     #: Value of the 3D model with rigid bodies and curved contacts.
     rigid: float
-    #: Error of the low-order model [%]; None for zero.
+    #: Error of the low-order model [%]; None if the value of the 3D model is zero.
     error_percent: float | None
-    #: Uncertainty of the 3D model [%]; None for zero.
+    #: Uncertainty of the 3D model [%]; None if its value is zero.
     uncertainty_percent: float | None
     #: Run time of the low-order model [s].
     low_seconds: float
@@ -227,9 +227,9 @@ def interpretation_of_contact_loads(name: str) -> str | None:
 def quantity_uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     """Return the uncertainty of a quantity by the 3D model of rolling, in its unit; infinite with a single grid.
 
-    It is the largest difference between a grid and the finest one times `SAFETY`, plus the difference between two
-    quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine; ``name``: name
-    of the quantity with its unit.
+    The uncertainty is `SAFETY` times the largest difference between a grid and the finest one, plus the difference
+    between two quadratures of the value for rigid bodies. ``runs``: solutions on several grids, from coarse to fine;
+    ``name``: name of the quantity with its unit.
     """
     values = [r.values[name] for r in runs]
     if len(values) < 2:
@@ -317,7 +317,7 @@ def compare_scene_with_stored_runs(
     return compare_scene_with_rolling_runs(scene, runs, half_space) if len(runs) == len(LEVELS) else []
 
 
-# --- rows of the gate: low-order models of rolling balls against the 3D model
+# --- rows of the acceptance check: low-order models of rolling balls against the 3D model
 
 
 def gate_rows_of_rolling_balls(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
@@ -393,8 +393,8 @@ def runs_from_rest() -> tuple[RunFromRest, ...]:
 # --- change of ball-to-ball forces with numerical choices, compared with their stated uncertainty
 
 
-#: A grid finer than those from which the uncertainty follows (cells along and across the groove), and other sequences of
-#: creep speeds over the largest sliding speed with which friction is regularised.
+#: A grid (cells along and across the groove) finer than those from which the uncertainty follows. Other sequences of creep
+#: speeds, divided by the largest sliding speed, with which friction is regularised.
 BEYOND = (30, 44)
 
 PATHS = {"by threes": tuple(3.0**-k for k in range(14)), "two steps": (PATH[0], PATH[-1])}
@@ -433,9 +433,9 @@ def force_changes_by_numerical_choices(
     Parameters
     ----------
     stores
-        Folders with runs.
+        Folders with stored solutions.
     series
-        Runs of the linear bearing from rest, with several numbers of time steps.
+        Simulations of the linear bearing from rest, with several numbers of time steps.
     sizes
         Results with other sizes of the finite bodies; empty: this choice is left out.
     """
@@ -516,8 +516,8 @@ def rolling_comparison(
 
     ``levels``: levels of the 3D model's grids, None for all; ``store``: folder for new 3D solutions; ``engine``: number
     of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed again; ``bodies``:
-    bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and Refusal if a solution
-    did not converge.
+    bodies of the 3D model, a key of `runs.BODIES`. Raises InputError for an unknown level, and SceneNotCoveredError if
+    a solution did not converge.
     """
     wanted = check_rolling_levels(levels or tuple(LEVELS))
     out: list[RollingComparisonRow] = []
@@ -547,7 +547,8 @@ def rolling_mesh_study(
     ``levels``: number of grids from the coarsest on, None for all; ``store``: folder for new solutions; ``engine``:
     number of processes, or cluster, that compute them; ``source``: whether a grid with the element size of Lin's thesis
     is added; ``fresh``: whether stored solutions are computed again; ``bodies``: bodies of the 3D model, a key of
-    `runs.BODIES`. Raises InputError for a number of grids out of range, and Refusal if a solution did not converge.
+    `runs.BODIES`. Raises InputError for a number of grids out of range, and SceneNotCoveredError if a solution did not
+    converge.
     """
     levels = len(LEVELS) if levels is None else levels
     if not 1 <= levels <= len(LEVELS):

@@ -113,7 +113,7 @@ class RollingRun:
 
     @property
     def values(self) -> dict[str, float]:
-        """Final values by name: those for rigid bodies, plus elastic less nearly rigid bodies on this grid."""
+        """Final values by name: those for rigid bodies, plus those for elastic less those for nearly rigid bodies."""
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
@@ -171,7 +171,7 @@ def save_rolling_run(store: Path, scene: FrictionScene, run: RollingRun) -> Path
 def grid_shape(case: RollingCase, level: int) -> tuple[int, int]:
     """Return the numbers of cells of a contact along and across the groove on one level of the grid.
 
-    On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and their number is that which fits into the
+    On `SOURCE_LEVEL` the cells have the element size of Lin's thesis, and there are as many of them as fit into the
     largest contact.
     """
     if level != SOURCE_LEVEL:
@@ -203,7 +203,7 @@ def compute_run(scene: FrictionScene, level: int, bodies: str = HALF_SPACE, proc
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If the 3D model does not cover the scene, or its bodies cannot be meshed.
     InputError
         If there is not enough memory.
@@ -394,9 +394,9 @@ LIVE = "3 x 3 cells in the contact zone instead of 4 x 4"
 class StoredBodyChoiceResults:
     """Results for changed choices of the finite bodies, with a sentence on whether they were stored or computed."""
 
-    #: The variants.
+    #: Result for each changed choice.
     variants: tuple[BodyChoiceResult, ...]
-    #: Sentence on whether they were stored or computed.
+    #: Sentence on whether the variants were stored or computed.
     origin_sentence: str
 
 
@@ -429,8 +429,8 @@ def find_body_variants(stores: Sequence[Path], *, fresh: bool) -> StoredBodyChoi
 def largest_change_by_body_choice(straight: bool) -> float:
     """Return the largest relative change of a force or loss if one modelling choice of the finite bodies is changed.
 
-    It is taken from the results that are part of the package. ``straight``: True for the choices on straight rails
-    (linear bearing), False for those on rings and helices (screw).
+    The change is taken from the results that are part of the package. ``straight``: True for the choices on straight
+    rails (linear bearing), False for those on rings and helices (screw).
     """
     found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
     values = {row["choice"]: row["values"] for row in found}
@@ -469,7 +469,8 @@ def find_or_compute_rolling_runs(
 
     ``levels``: levels of the grids; ``store``: folder for new solutions, each of which is stored when it is done;
     ``engine``: number of processes, or cluster, that compute them; ``fresh``: whether stored solutions are computed
-    again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises Refusal if a solution did not converge.
+    again; ``bodies``: kind of the bodies, a key of `BODIES`. Raises SceneNotCoveredError if a solution did not
+    converge.
     """
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := load_rolling_run(scene, k, stores, bodies)) is not None}
