@@ -25,8 +25,8 @@ Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
 #: Arrangements of equal bearings by their names: direction of the thrust on the shaft that each row carries, from left to
-#: right. B: back to back, F: face to face, T: tandem. A third letter adds one row (D), a pair (B, F), or two rows (T) next
-#: to the second.
+#: right. B: back to back, F: face to face, T: tandem. In names of three letters, the third one adds rows next to the second
+#: row, which carry the same thrust as the second: one (D, B, F) or two (T); with B and F the first row is doubled too.
 ARRANGEMENTS: dict[str, tuple[Literal["+z", "-z"], ...]] = {
     "DB": ("-z", "+z"),
     "DF": ("+z", "-z"),
@@ -147,8 +147,8 @@ class RollingSet:
     housing: str | None = frozen_default(None)
     #: Displacement of the outer part along +z relative to its housing, fixed at mounting [m].
     offset: float = frozen_default(0.0)
-    #: Axial force [N] for which the outer part is displaced at mounting, without external loads, before it is fixed to its
-    #: housing; 0 for no preload.
+    #: Axial preload [N]: at mounting, without external loads, the outer part is displaced until the rolling set carries
+    #: this axial force, and is then fixed to its housing; 0 for no preload.
     preload: float = frozen_default(0.0)
     #: Direction of the axial force on the shaft that the rolling set can carry.
     thrust: Thrust = frozen_default("both")

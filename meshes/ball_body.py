@@ -40,8 +40,8 @@ from rollbench.meshes.sockets import (
 
 Flags = NDArray[np.bool_]
 
-#: Distances from the refinement boxes between which the element size grows from `fine` to `coarse`, as ratios to the ball's
-#: radius.
+#: Distances from the refinement boxes between which the element size grows from that at the boxes to that far away, as
+#: ratios to the ball's radius.
 GROWTH = (0.072, 0.72)
 #: SHALLOWER: ratio of the depth of a ball's refinement box to that of the groove's refinement box. CORNER: least depth of
 #: the corners of a ball's refinement box, as a ratio to the ball's radius.
@@ -107,15 +107,15 @@ def rays_from_ball_centre(m: GrooveMap, box: BallRefinementBox, local_coordinate
     """Return rays from a ball's centre through the points with given local coordinates in a refinement box of the ball.
 
     In the middle of the refinement box, each ray meets the groove's surface at the point with the same section angle and
-    azimuth. Beyond the fraction ``socket.exact`` of the length, rays are adjusted so that those at the ends of the
-    refinement box lie in planes through the ball's centre. Otherwise the end faces would be concave in their middle.
+    azimuth. Beyond the fraction ``box.exact_length_fraction`` of the length, rays are adjusted so that those at the ends of
+    the refinement box lie in planes through the ball's centre. Otherwise the end faces would be concave in their middle.
 
     Parameters
     ----------
     m : GrooveMap
         Groove surfaces of the track.
     box : BallRefinementBox
-        Socket of the ball.
+        Refinement box of the ball.
     local_coordinates : (n, 3) Array
         Local coordinates in the refinement box: section angle in [-1, 1], depth in [0, 1], azimuth in [-1, 1].
 
@@ -303,7 +303,7 @@ def triangulate_sphere(m: GrooveMap, shell: ClosedSurfaceMesh, box_rims: list[In
     ----------
     m : GrooveMap
         Groove surfaces of the track, with the ball's radius.
-    shell : Shell
+    shell : ClosedSurfaceMesh
         Surface mesh to which the faces are added.
     box_rims : list[Index]
         Corner nodes around the rim of each refinement box.

@@ -106,8 +106,8 @@ class Cache:
     If the folder cannot be written to, if other users may write to it, or if the disk is full, one message is printed on
     standard error, and the computation continues without the cache. ``hits`` counts the results that `get` read from files,
     ``misses`` those that it computed. ``cold_seconds`` is the sum of the computing times of all these results, also of
-    those it read. ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because another
-    process prints it.
+    those read from files. ``fault`` is the message, empty without an error; with ``quiet`` it is not printed, because
+    another process prints it.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def _read_stored_result(path: Path, type_: type[T]) -> tuple[T, float] | None:
         if hashlib.sha256(content).digest() != digest:
             return None
         value = record_from_bytes(content[_SECONDS.size :], type_.__module__.split(".")[0])
-    except (OSError, ValueError):  # no file, or one of other sources: the result is computed again
+    except (OSError, ValueError):  # no file, or one written by other sources: the result is computed again
         return None
     with suppress(OSError):  # the folder may be read-only
         os.utime(path)
@@ -302,7 +302,7 @@ def digest_of_sources(package: str) -> str:
 def _installed_version(package: str) -> str:
     """Return the version of an installed package, from the name of its metadata folder.
 
-    `importlib.metadata`, which takes longer to import than a screw to solve, is used only where there is no such folder.
+    `importlib.metadata`, whose import takes longer than solving a screw, is used only where there is no such folder.
     """
     name = re.sub("[-_.]+", "_", package)
     folders = [found for place in sys.path for found in glob.iglob(f"{name}-*.dist-info", root_dir=place or ".")]

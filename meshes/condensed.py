@@ -70,8 +70,9 @@ class CondensedBodies:
     nut: Array
     #: Compliance of one ball between its contacts ``(k, k)`` [m/N].
     ball: Array
-    #: Remaining approach of a contact divided by its force F: without the part C F^(-1/3) after Hertz, and without the part
-    #: that the matrices give. For each flank at f forces, equal for all balls ``(k, f)`` [m/N].
+    #: Approach of ball and groove at a contact, divided by the contact force F: only what remains without the part C
+    #: F^(-1/3) after Hertz, and without the part that the matrices give. For each flank at f forces, equal for all balls
+    #: ``(k, f)`` [m/N].
     local: Array
     #: Forces at which ``local`` is sampled ``(k, f)`` [N].
     force: Array
@@ -79,7 +80,7 @@ class CondensedBodies:
     hertz: Array
 
     def fit_local_approach_over_load(self, side: int) -> tuple[float, float]:
-        """Fit e F + h F^(4/3) to the part of the contacts' approach that neither Hertz nor the compliance matrices give.
+        """Fit e F + h F^(4/3) to the part of the contacts' approach that neither Hertz's formula nor the matrices give.
 
         F is the contact force. The first term is the linear elasticity of the bodies. The next term for a smooth contact is
         of the order of F times the contact area, that is F^(4/3); a logarithm of the contact's size does not fit better.
@@ -101,10 +102,10 @@ class CondensedBodies:
         return float(e), float(h)
 
     def scatter(self, side: int) -> float:
-        """Return the RMS deviation of the computed approaches from their fit (`fit_local_approach_over_load`).
+        """Return the RMS deviation of a flank's computed approaches from their fit (`fit_local_approach_over_load`).
 
-        Each deviation is divided by the whole approach of the contact. It is due to the finite contact grid of the 3D
-        model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
+        Each deviation is divided by the whole approach of the contact. The deviations are due to the finite contact grid of
+        the 3D model. ``side``: flank 0 to 3 (SL, SR, NL, NR).
         """
         return self._fit_local_approach_of_flank(list(self.sides).index(side))[1]
 

@@ -141,7 +141,7 @@ class ErrorsAfterDrawing:
 
         Returns
         -------
-        Specimen
+        GeometryWithErrors
             Geometry with errors at these balls.
 
         References
@@ -174,7 +174,7 @@ class ErrorsAfterDrawing:
 
 
 def are_in_shifted_half(scene: Scene, axial_positions: Array) -> Mask:
-    """Return whether each ball is in the half of the nut whose groove a lead offset shifts, the half at larger z.
+    """Return whether each ball is in the half of the nut at larger z, in which a lead offset shifts the groove.
 
     The groove steps between two balls. A ball at the nut's centre belongs to the half that is not shifted.
 
@@ -256,7 +256,7 @@ def draw_geometry_with_errors(scene: Scene, layout: BallLayout, specimen_number:
 
     Returns
     -------
-    Specimen
+    GeometryWithErrors
         Geometry of the specimen at the balls.
 
     Examples
@@ -288,7 +288,7 @@ class GeometriesWithErrors:
 
 
 def have_equal_circular_grooves(scene: Scene) -> bool:
-    """Return whether the grooves of all specimens are circular arcs with the same radii, as draws of geometry need.
+    """Return whether the grooves of all specimens are equal circular arcs, as `draw_geometries_with_errors` needs.
 
     A specimen is one screw or bearing with its own random errors.
 
@@ -320,7 +320,7 @@ def draw_geometries_with_errors(scene: Scene, layout: BallLayout, first_number: 
 
     Returns
     -------
-    Specimens
+    GeometriesWithErrors
         Geometry of the specimens at the balls.
     """
     drawn = [draw_errors(scene, member) for member in range(first_number, first_number + count)]

@@ -115,7 +115,7 @@ def with_boundaries_from_corners(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh
 
 
 def with_boundaries_from_facets(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
-    """Add named boundaries to a mesh, each defined by the numbers of its facets in the mesh.
+    """Add named boundaries to a mesh, each defined by the numbers of its facets (faces of cells) in the mesh.
 
     Parameters
     ----------
@@ -368,7 +368,7 @@ class MeshQuality:
     median_jacobian: float
     #: Number of the cell with the smallest scaled Jacobian.
     worst_cell: int
-    #: Coordinates of the centre of the cell `worst` [m].
+    #: Coordinates of the centre of the cell `worst_cell` [m].
     worst_cell_centre: tuple[float, float, float]
 
 
@@ -481,7 +481,7 @@ def check_no_inverted_cells(quality: MeshQuality, body_name: str) -> None:
 
     Parameters
     ----------
-    quality : Quality
+    quality : MeshQuality
         Quality of the mesh.
     body_name : str
         Name of the meshed body, for the message.
@@ -622,7 +622,7 @@ def improve_curved_cells(
         Improved mesh.
     moved : int
         Number of nodes that `straighten_bent_edges` moved.
-    quality : Quality
+    quality : MeshQuality
         Quality of the improved mesh.
 
     Raises

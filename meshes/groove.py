@@ -218,7 +218,7 @@ class GrooveCrossSection:
 
         Returns
         -------
-        Groove
+        GrooveCrossSection
             Cross-section of the groove.
 
         Raises
@@ -264,7 +264,7 @@ class GrooveCrossSection:
         return GrooveCrossSection(m, sides, land, behind, apex, edge, middle, float(zeta[-1]), wall, ends)
 
     def unrolled_coordinates(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
-        """Return the unrolled coordinates of points on a flank.
+        """Return radius, axial coordinate and azimuth of points on a flank, unrolled along the helix of the groove.
 
         Parameters
         ----------
@@ -415,9 +415,9 @@ def outer_surfaces_of_flanged_nut(
     end_positions : tuple[float, float]
         Axial positions of the nut's ends [m].
     smallest_width : float, default SAME
-        Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and its rim, or the
-        nut's outer surface, is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges of
-        neighbouring circles would intersect in the mesh.
+        Smallest width of a surface [m]. A narrower ring between the flange's fixed ring (its seat) and either the flange's
+        rim or the nut's outer surface is added to the seat; a shorter centring fit is ignored. Otherwise the straight edges
+        of neighbouring circles would intersect in the mesh.
 
     Returns
     -------

@@ -87,7 +87,7 @@ class CoarseGroovedBodyMesh(MeshedBody):
 
     #: Mesh of second-order tetrahedra.
     mesh: Mesh
-    #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``sockets``.
+    #: Nodes on the faces of each refinement box ``(count, k)``, in the order of the nodes of its mesh in ``box_faces``.
     nodes_on_box_faces: Index
     #: Mesh of the faces of a refinement box, by the flank (0 to 3) on which the box lies.
     box_faces: dict[int, RefinementBoxFaces]
@@ -98,7 +98,7 @@ class CoarseGroovedBodyMesh(MeshedBody):
 
 
 class GroovedBodySurface:
-    """Closed surface of a screw, nut or ring, built face by face in a `Shell`.
+    """Closed surface of a screw, nut or ring, built face by face in a `ClosedSurfaceMesh`.
 
     Plane coordinates of curved faces are (azimuth, section angle gamma) on flanks, and (azimuth, z) on cylinders.
     """
@@ -114,11 +114,11 @@ class GroovedBodySurface:
         """Divide the curves of the body's surface and triangulate its faces.
 
         Afterwards the attribute ``corners`` holds the corner nodes of every refinement box, in the order of
-        ``spec.sockets``.
+        ``spec.contact_positions``.
 
         Parameters
         ----------
-        shell : Shell
+        shell : ClosedSurfaceMesh
             Surface mesh to which the faces are added.
         m : GrooveMap
             Groove surfaces of the track.
@@ -126,7 +126,7 @@ class GroovedBodySurface:
             Dimensions and refinement boxes of the body.
         share : float, default 1.0
             Factor on the default lengths of the longest edges on curved faces.
-        groove : Groove | None, default None
+        groove : GrooveCrossSection | None, default None
             Cross-section of the groove; None: it is computed from ``m`` and ``spec``.
         """
         self.shell, self.m, self.spec = shell, m, spec

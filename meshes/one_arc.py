@@ -228,7 +228,7 @@ def internal_clearance(scene: Scene) -> InternalClearance | None:
 
     Returns
     -------
-    Clearance | None
+    InternalClearance | None
         Clearances [m] and free contact angle [rad], all 0 without clearance; None where grooves are gothic arches.
     """
     if not has_single_arc_grooves(scene):

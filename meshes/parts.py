@@ -51,7 +51,7 @@ from rollbench.meshes.record_keys import frozen_default, register_frozen_default
 SIDES = ("SL", "SR", "NL", "NR")
 
 #: Unit factors ``(s_x, s_z)`` of the contact direction ``(s_x cos(gamma), s_z sin(gamma))`` in the plane of the
-#: groove section (x3 radial, z3 along the binormal), one row per flank (Lin 2019, Figure 2.4).
+#: groove section (x3 radial, z3 across the track), one row per flank (Lin 2019, Figure 2.4).
 SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 
 #: Degrees of freedom of a cross-section of the screw: displacements along x, y, z and small rotations about these axes.
@@ -376,7 +376,7 @@ class Ingredients:
     element_length: Element = frozen_default(1.0e-3, 'length of the elements in the nut, for partition = "uniform"')
     section: Literal["groove", "groove squared", "full"] = frozen_default(
         "groove",
-        "cross-section of the beam: diameters scaled by k_r (Lin C.8), by k_r without its square root, or full diameter",
+        "cross-section of the beam: diameter times k_r, root of grooved over full volume (Lin C.8); times k_r^2; or full",
         "full",
     )
     arm: Literal["current", "nominal", "ball"] = frozen_default(
@@ -522,7 +522,7 @@ class Circulation:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Time:
-    """Length and steps of a computation over time, for the command ``rollbench friction``. Give angle or duration.
+    """Duration and number of steps of a computation over time, for ``rollbench friction``; angle or duration is given.
 
     Angle in rad, duration in s.
     """
@@ -534,7 +534,7 @@ class Time:
     )
     goal: StepGoal = frozen_default(
         0.01,
-        "largest accepted error of the time steps relative to the mean friction torque; above it the run has not converged",
+        "largest accepted error of the time steps, as a fraction of the mean friction torque; above it: not converged",
         0.01,
     )
     output: Literal["balls", "torque"] = frozen_default(

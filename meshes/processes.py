@@ -2,7 +2,7 @@
 
 Linear algebra uses one thread: for small matrices, or on a busy machine, several threads only wait for one another. The
 command line, workers and tests call `limit_to_one_thread` at their start. A call of the library limits threads only until
-it returns, because the rest of the process belongs to its user. Parallel work is done by several processes. Environment
+it returns, because the rest of the process belongs to the caller. Parallel work is done by several processes. Environment
 variables that the user has set (`VARIABLES`) take precedence.
 
 Worker processes end when the process that started them ends.
@@ -26,7 +26,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-#: Environment variables that libraries for linear algebra read when they are loaded; the first one holds for all of them.
+#: Environment variables that libraries for linear algebra read when they are loaded; the first variable holds for all of
+#: these libraries.
 VARIABLES = tuple(f"{name}_NUM_THREADS" for name in ("OMP", "OPENBLAS", "MKL", "BLIS", "VECLIB_MAXIMUM"))
 
 

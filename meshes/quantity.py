@@ -36,7 +36,7 @@ class QuantityDescription:
     #: Expected error of a low-order model for this quantity: field of `compare.models.model_form.ExpectedModelErrors` that
     #: has it, and a factor on it.
     expected: tuple[str, float] = ("", 0.0)
-    #: Text after the value in the table of answers; keys of the record in braces are replaced, as in
+    #: Text after the value in the table of results; keys in braces are replaced by the values of the record, as in
     #: ``"ball {ball} {side}"``.
     note: str = ""
 

@@ -84,7 +84,8 @@ class QuantityRange:
         Raises
         ------
         PydanticCustomError
-            The value is not a quantity of this dimension, or is out of range; the error has ``allowed`` and ``advice``.
+            The value is not a quantity of this dimension, or is out of range; the error holds two texts, ``allowed``
+            (range) and ``advice``.
 
         Examples
         --------
@@ -184,7 +185,7 @@ class ForceOrRatingShareRange(QuantityRange):
     def si_value(self, value: object) -> float | ShareOfLoadRating:  # type: ignore[override]
         """Convert a force as written in a scene file to N, or to a fraction of the dynamic load rating C.
 
-        Arguments and errors are those of `Quantity.si_value`.
+        Arguments and errors are those of `QuantityRange.si_value`.
 
         Examples
         --------
@@ -266,11 +267,11 @@ def quantity_of_type(annotated_type: Any) -> QuantityRange:
     Parameters
     ----------
     annotated_type : Any
-        Annotated type with a `Quantity`.
+        Annotated type with a `QuantityRange`.
 
     Returns
     -------
-    Quantity
+    QuantityRange
         Dimension and allowed range.
     """
     found: QuantityRange = get_args(annotated_type)[1]

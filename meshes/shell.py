@@ -87,7 +87,7 @@ def _import_gmsh() -> Any:
 #: Function that maps an array of coordinates or parameters to an array of coordinates or lengths.
 Placing = Callable[[Array], Array]
 
-#: One side of a face: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
+#: One side of a face, a segment of its boundary: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
 Side = tuple[Index, Array]
 
 Body = TypeVar("Body")
@@ -157,7 +157,7 @@ class DividedCurve:
         return self.nodes, plane(self.parameters)
 
     def as_reversed_side_of_face(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face, with its nodes in reverse order; argument and result as for `on`."""
+        """Return the curve as one side of a face as `as_side_of_face` does, but with its nodes in reverse order."""
         return self.nodes[::-1], plane(self.parameters[::-1])
 
 
@@ -167,11 +167,11 @@ class TriangulatedFace:
 
     #: Name of the boundary of the mesh to which the face belongs, such as a flank.
     boundary_name: str
-    #: Numbers of its nodes in the `Shell` ``(n,)``.
+    #: Numbers of its nodes in the `ClosedSurfaceMesh` ``(n,)``.
     node_numbers: Index
     #: Plane coordinates of its nodes ``(n, 2)``; a node on the seam of a face that closes around the axis occurs twice.
     plane_coordinates: Array
-    #: Triangles ``(t, 3)``, as indices into `number`.
+    #: Triangles ``(t, 3)``, as indices into `node_numbers`.
     local_triangles: Index
     #: Function that maps plane coordinates ``(k, 2)`` to points in space ``(k, 3)`` [m]; None for the faces of a refinement
     #: box around a contact, whose triangles and nodes must not be changed.
@@ -179,12 +179,12 @@ class TriangulatedFace:
 
     @property
     def triangles(self) -> Index:
-        """Corner nodes of the face's triangles ``(t, 3)``, by their numbers in the `Shell`."""
+        """Corner nodes of the face's triangles ``(t, 3)``, by their numbers in the `ClosedSurfaceMesh`."""
         return self.node_numbers[self.local_triangles]
 
     @property
     def local_edges(self) -> Index:
-        """Edges of the face's triangles ``(3 t, 2)``, as indices into `number`, the nodes of the face."""
+        """Edges of the face's triangles ``(3 t, 2)``, as indices into `node_numbers`, the nodes of the face."""
         return np.concatenate(
             [self.local_triangles[:, [0, 1]], self.local_triangles[:, [1, 2]], self.local_triangles[:, [2, 0]]]
         )
@@ -195,7 +195,7 @@ class TriangulatedFace:
         Parameters
         ----------
         first, second : int
-            Indices of the two triangles in `local`, which is changed in place.
+            Indices of the two triangles in `local_triangles`, which is changed in place.
 
         Returns
         -------
@@ -554,13 +554,13 @@ def fill_with_tetrahedra(
 
 @dataclass(frozen=True)
 class FilledSurfaceMesh:
-    """Mesh of second-order tetrahedra inside a closed surface (`Shell`), whose corner nodes keep their numbers."""
+    """Second-order tetrahedra inside a closed surface (`ClosedSurfaceMesh`), whose corner nodes keep their numbers."""
 
     #: The mesh.
     mesh: Mesh
     #: One integer for each edge of the mesh, computed from the numbers of its two corners; in ascending order.
     edge_keys: Index
-    #: Number of the midside node of each edge, in the order of `keys`.
+    #: Number of the midside node of each edge, in the order of `edge_keys`.
     midside_nodes: Index
 
     def midside_nodes_of_edges(self, corner_pairs: Index) -> Index:
@@ -646,7 +646,7 @@ def remove_cells_flat_on_surface(surface: ClosedSurfaceMesh, points: Array, cell
 
     Parameters
     ----------
-    surface : Shell
+    surface : ClosedSurfaceMesh
         Closed surface of the mesh; its triangles are changed in place.
     points : (n, 3) Array
         Coordinates of the mesh's corner nodes [m].
@@ -694,7 +694,7 @@ def mesh_inside_closed_surface(surface: ClosedSurfaceMesh, algorithm: int) -> Fi
 
     Parameters
     ----------
-    surface : Shell
+    surface : ClosedSurfaceMesh
         Closed surface of the body.
     algorithm : int
         Number of gmsh's algorithm for volumes.

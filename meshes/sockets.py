@@ -1,9 +1,9 @@
 """Refinement boxes around the contacts of a screw or nut, which its coarse mesh leaves free: shape, faces, largest size.
 
 A finer mesh (the contact patch) fills each box. A box is bounded by surfaces of constant depth below the groove and of
-constant azimuth; its width in the section angle gamma (around the arc of the groove's cross-section)
-decreases with depth. The local coordinates xi in a refinement box are the section angle in [-1, 1], the depth in [0, 1] and
-the azimuth in [-1, 1]. All refinement boxes of a flank are congruent, so that one patch fits them all.
+constant azimuth; its width in the section angle gamma (around the arc of the groove's cross-section) decreases with depth.
+The local coordinates xi in a refinement box are the section angle in [-1, 1], the depth in [0, 1] and the azimuth in [-1,
+1]. All refinement boxes of a flank are congruent, so that one patch fits them all.
 """
 
 from __future__ import annotations
@@ -397,7 +397,7 @@ def section_angles_of_flank(m: GrooveMap, side: int, land_radius: float) -> tupl
 
 
 def turns_and_distance_to_groove(m: GrooveMap, phi: float, z: float, helix_constant: float) -> tuple[int, float]:
-    """Return how many turns to add to a ball's azimuth to count it along a helical groove, and its distance from it.
+    """Return the turns to add to a ball's azimuth to count it along a helical groove, and the distance of ball and groove.
 
     Azimuths along a helical groove are counted on over whole turns.
 

@@ -61,7 +61,7 @@ def surface_derivatives(scene: Scene, geometry: GeometryWithErrors, side: int | 
     ----------
     scene : Scene
         Scene with the nominal geometry.
-    geometry : Specimen
+    geometry : GeometryWithErrors
         Geometry of the grooves at the balls, with errors.
     side : int | slice
         Flank 0 to 3 (SL, SR, NL, NR), or `ALL` for all four flanks, which are then the second axis of the results.

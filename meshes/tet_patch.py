@@ -33,7 +33,7 @@ SUB_TRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 @dataclass(frozen=True)
 class TetrahedralPatchSizes:
-    """Dimensions of a contact patch, a box of fine tetrahedra around a contact, and edge lengths of these."""
+    """Dimensions of a contact patch, a box of fine tetrahedra around a contact, and edge lengths of the tetrahedra."""
 
     #: Half widths of the patch across the groove (section angle) and along it (azimuth) [m].
     half_widths: tuple[float, float]
@@ -132,7 +132,7 @@ def mesh_patch_with_tetrahedra(
 
 
 def _set_element_sizes(gmsh: Any, box: TetrahedralPatchSizes) -> None:
-    """Set gmsh's element sizes: ``box.fine`` in the inner box at the contact, and growing with the distance from it.
+    """Set gmsh's element sizes: ``box.smallest_edge_length`` in the inner box at the contact, and larger ones outside.
 
     Inside the volume, sizes are divided by `LARGER`, because gmsh's tetrahedra are larger than requested.
     """

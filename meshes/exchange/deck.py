@@ -23,8 +23,8 @@ C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
 #: Largest number of characters in a name.
 LONGEST_NAME = 80
 AXES = 3
-#: Limits of the iterations before an increment is cut, instead of CalculiX's defaults 4, 8, 9, 16; contact under preload
-#: needs about 25 iterations.
+#: CalculiX's limits I_0, I_R, I_P and I_C on the number of iterations in one increment, in place of its defaults 4, 8, 9,
+#: 16; contact under preload needs about 25 iterations.
 PATIENCE = "30, 40, 9, 60"
 #: Lever arm [m] with which a weak spring's stiffness is converted to that of a rotational spring.
 WEAK_ARM = 1e-3
@@ -224,7 +224,7 @@ def deck_text(deck: InputDeck, unit: str = "mm") -> str:
 
     Parameters
     ----------
-    deck : Deck
+    deck : InputDeck
         Contents of the deck.
     unit : str, default 'mm'
         Unit of length, ``"mm"`` or ``"m"``.
@@ -355,7 +355,7 @@ def _spring_lines(springs: Sequence[tuple[int, int]], cells: int, stiffness: flo
 def _prescribed_motion_lines(
     deck: InputDeck, references: dict[str, int], units: DeckUnits, *, moved: bool
 ) -> Iterator[str]:
-    """Yield the lines of the rigid sections' prescribed motions: those of zero, or (``moved``) all others.
+    """Yield the lines of the rigid sections' prescribed motions: only zero ones, or (``moved``) only others.
 
     ``references``: largest node number before the two reference nodes of each section, by its name. Abaqus accepts
     prescribed motions other than zero only inside a step.

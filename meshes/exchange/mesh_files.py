@@ -209,8 +209,8 @@ def write_mesh(
 def _fields_naming_boundaries(mesh: Mesh, region: str) -> dict[str, Index]:
     """Return the cell fields in which scikit-fem stores names of boundaries and regions, as `Mesh.save` writes them.
 
-    For a boundary, each bit of the field is set where that face of the cell lies on the boundary. These fields are needed
-    because scikit-fem does not read names of second-order meshes from a file's groups.
+    The field of a boundary holds an integer for each cell: bit k is set where face k of the cell lies on the boundary.
+    These fields are needed because scikit-fem does not read names of second-order meshes from a file's groups.
     """
     bits = 1 << np.arange(len(mesh.t2f))
     if len(bits) == 6:  # hexahedra are read in reverse order: corner 7 - k, face 5 - k

@@ -50,7 +50,7 @@ def write_step(path: Path, nuts_and_bearings: Sequence[PlacedNutOrBearing]) -> d
     ----------
     path : Path
         File of the solid bodies.
-    nuts_and_bearings : Sequence[PlacedSet]
+    nuts_and_bearings : Sequence[PlacedNutOrBearing]
         Parts of each ball nut or bearing.
 
     Returns

@@ -1,6 +1,6 @@
 """Meshes of screws, nuts, rings and balls for other FE programs: second-order tetrahedra, fine near the contacts.
 
-The other programs find the contacts themselves, so that these meshes leave no refinement boxes free around contacts. Rings
+The other programs find the contacts themselves, so that these meshes have no holes (refinement boxes) at contacts. Rings
 and balls may also be cut in halves at a plane of symmetry. The surfaces are the exact ones of ``meshes.grooved_body`` and
 ``meshes.ball_body``; element sizes grow linearly with the distance from the expected contacts.
 """
@@ -70,7 +70,7 @@ class HalfRingSurface:
 
         Parameters
         ----------
-        shell : Shell
+        shell : ClosedSurfaceMesh
             Surface mesh to which the half ring is added.
         m : GrooveMap
             Groove surfaces of the track.
@@ -264,7 +264,7 @@ def triangulate_half_sphere(radius: float, shell: ClosedSurfaceMesh, edge_factor
     ----------
     radius : float
         Radius of the ball [m].
-    shell : Shell
+    shell : ClosedSurfaceMesh
         Surface mesh to which the faces are added.
     edge_factor : float
         Factor on the default length of the longest edge.
@@ -434,7 +434,7 @@ def mesh_whole_body(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSize
     spec : GroovedBodySpec
         Dimensions. Its refinement boxes are used only to find where a groove ends inside the body; its element sizes are
         not used.
-    refinement : Refinement
+    refinement : ElementSizesNearPoints
         Element sizes.
 
     Returns
@@ -461,7 +461,7 @@ def mesh_whole_ball(m: GrooveMap, radius: float, refinement: ElementSizesNearPoi
         Groove surfaces of the track.
     radius : float
         Radius of the ball [m].
-    refinement : Refinement
+    refinement : ElementSizesNearPoints
         Element sizes, around the contacts of a ball at azimuth 0.
 
     Returns
@@ -487,7 +487,7 @@ def mesh_half_ring(m: GrooveMap, spec: GroovedBodySpec, refinement: ElementSizes
         Groove surfaces of the track.
     spec : GroovedBodySpec
         Dimensions of the ring.
-    refinement : Refinement
+    refinement : ElementSizesNearPoints
         Element sizes.
 
     Returns
@@ -511,7 +511,7 @@ def mesh_half_ball(radius: float, refinement: ElementSizesNearPoints, sign: floa
     ----------
     radius : float
         Radius of the ball [m].
-    refinement : Refinement
+    refinement : ElementSizesNearPoints
         Element sizes.
     sign : float
         1 for the half at y >= 0, -1 for the half at y <= 0.
@@ -536,8 +536,8 @@ def _mesh_inside_surface(
 ) -> ExportedBodyMesh:
     """Mesh the body inside a closed surface for another FE program; edges that would invert cells are straightened.
 
-    ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `Shell`, with a
-    factor on the element sizes; ``refinement``: element sizes.
+    ``name``: name of the body, for messages; ``surface``: function that triangulates the surface in a `ClosedSurfaceMesh`,
+    with a factor on the element sizes; ``refinement``: element sizes.
     """
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[ExportedBodyMesh, float]:
