@@ -1,7 +1,7 @@
 """Compliance of screw, nut and balls of the 3D reference under contact loads, by static condensation.
 
-Each body is meshed coarsely, with a socket (a pocket that a fine patch fills) at every contact, and condensed to the
-displacement modes of its patches. The stretch of the screw that is meshed in 3D is condensed to its end, supports and
+Each body is meshed coarsely, with a refinement box (a pocket that a fine patch fills) at every contact, and condensed to
+the displacement modes of its patches. The stretch of the screw that is meshed in 3D is condensed to its end, supports and
 loads as well. The local compliance of a contact is condensed once for each flank, from the patches of its groove and
 its ball.
 """
@@ -62,7 +62,8 @@ from rollbench.meshes.parts import Material, Nut, Scene
 from rollbench.meshes.sockets import RefinementBoxFaces, axial_reach_of_refinement_boxes, points_in_box_at_azimuth_zero
 from rollbench.meshes.solid import Dimensions
 
-#: Length of a submodel on either side of its socket, over the ball's radius, within which the coarse mesh's error decays.
+#: Length of a submodel on either side of its refinement box, over the ball's radius, within which the coarse mesh's error
+#: decays.
 BEYOND = 1.5
 
 #: Factors on coordinates x, y, z by a turn of 180 degrees about the radius through a ball at azimuth 0, which maps left
@@ -124,8 +125,8 @@ def condense_patches_of_flank(
         nut.
     materials : tuple[Material, Material]
         Materials of the grooved body and of the ball.
-    sockets : Sockets
-        Sockets of groove and ball.
+    sockets : FlankSockets
+        Refinement boxes of groove and ball.
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
 
@@ -393,8 +394,8 @@ def assemble_stiffness_and_contact_modes(
         Elastic material.
     mesh : Mesh
         Coarse body.
-    sockets : Sequence[Socket]
-        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
+    sockets : Sequence[BodySocket]
+        Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     count : int
@@ -407,7 +408,7 @@ def assemble_stiffness_and_contact_modes(
     K : (n, n) sparse array
         Stiffness of the body with all its patches, on its n degrees of freedom [N/m].
     rows : (r, n) sparse array
-        Rows Q of the r modes of all sockets on these degrees of freedom, socket after socket.
+        Rows Q of the r modes of all refinement boxes on these degrees of freedom, box after box.
     by_flank : dict[int, tuple[Array, Array]]
         For each flank, the modes V and their rows Q, both in the frame of the patch.
     """
@@ -589,7 +590,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 
     Returns
     -------
-    (n,) Mask
+    (n,) Flags
         Whether each point lies within a circle.
 
     Examples

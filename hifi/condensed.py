@@ -2,7 +2,7 @@
 
 Every contact force is distributed over its nodes like Hertz's pressure, and the compliance matrices hold for one force.
 The remainder of a contact's approach, besides these matrices and Hertz's law, is sampled over the forces that its patch
-can resolve. It has two parts: the approach of the fine patches of groove and ball with fixed sockets, solved as a
+can resolve. It has two parts: the approach of the fine patches of groove and ball with fixed refinement boxes, solved as a
 contact problem, and the change of the bodies' compliance for a smaller or larger contact ellipse. The oscillation of
 the approach with the contact's position on its mesh grid is removed as everywhere in the reference
 (`hifi.bodies.grid_wave`).
@@ -58,7 +58,7 @@ def approaches_with_fixed_bodies(setup: CondensedGeometry, side: int, loads: Arr
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -79,7 +79,7 @@ def hertz_shares_of_nodes(setup: CondensedGeometry, side: int, load: float) -> A
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -107,7 +107,7 @@ def mean_contact_compliance_of_body(setup: CondensedGeometry, side: int, nodal_s
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -134,7 +134,7 @@ def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Arr
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
         By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
@@ -155,7 +155,7 @@ def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[in
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
         By flank, the share of each contact node in a unit force on the contact, from `hertz_shares_of_nodes`.
@@ -177,7 +177,7 @@ def unexplained_approach_over_force(setup: CondensedGeometry, nodal_shares: dict
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     nodal_shares : dict[int, Array]
         By flank, the share of each contact node in a unit force on the contact (`hertz_shares_of_nodes`), with which the
@@ -236,7 +236,7 @@ def collect_condensed_bodies(setup: CondensedGeometry, level: int) -> CondensedB
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     level : int
         Refinement level of the meshes.

@@ -1,8 +1,8 @@
 """Displacements and stresses of the 3D reference, recovered from its contact loads.
 
 The condensed equations are solved once more, with one right-hand side: the coarse body q under the modal forces of all
-its contacts, K q = H^T f, then each patch under its contact loads and the displacement of its socket. All stresses are
-linear elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
+its contacts, K q = H^T f, then each patch under its contact loads and the displacement of its refinement box. All stresses
+are linear elastic, of nominal geometry; rigid motions, which cause no strain, are left out.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ def contact_node_forces_by_flank(setup: CondensedGeometry, result: ReferenceResu
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     result : ReferenceResult
         Solution of the 3D reference for this geometry.
@@ -179,7 +179,7 @@ def nodal_displacements_of_screw(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     mesh : CoarseGroovedBodyMesh
         Mesh of that part, with n nodes.
@@ -229,7 +229,7 @@ def nodal_displacements_of_nut(setup: CondensedGeometry, mesh: CoarseGroovedBody
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     mesh : CoarseGroovedBodyMesh
         Mesh of the nut, with n nodes.
@@ -275,9 +275,9 @@ def mesh_groove_patch(setup: CondensedGeometry, meshes: PartMeshes, side: int) -
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
-    meshes : Meshes
+    meshes : PartMeshes
         Meshes of the geometry.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
@@ -311,9 +311,9 @@ def stress_field_of_groove_patch(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
-    meshes : Meshes
+    meshes : PartMeshes
         Its meshes.
     body_displacements : (n, 3) Array
         Displacements of the n nodes of the coarse mesh of screw or nut [m].
@@ -344,8 +344,8 @@ def _stress_field_of_patch(
     """Compute displacements and stresses of a fine patch under its contact loads and the motion of its boundary.
 
     ``normals``: directions of the loads at the c contact nodes (c, 3); ``forces``: these loads (c,) [N];
-    ``socket_displacements``: displacements of the k nodes of the socket that the patch fills, in the patch's frame (3 k,)
-    [m].
+    ``socket_displacements``: displacements of the k nodes of the refinement box that the patch fills, in the patch's frame
+    (3 k,) [m].
     """
     u = nodal_displacements_of_patch(
         mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, socket_displacements
@@ -367,7 +367,7 @@ def stress_field_near_ball(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     mesh : CoarseGroovedBodyMesh
         Mesh of the body.
@@ -406,9 +406,9 @@ def stress_fields_of_ball(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
-    meshes : Meshes
+    meshes : PartMeshes
         Its meshes.
     ball : int
         Number of the ball, from 0.

@@ -1,8 +1,8 @@
 """Preparation of one geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
 
-Screw, nut and one ball are meshed coarsely, with a socket (a pocket for a fine patch) at every contact. One fine patch per
-flank is condensed exactly and fits every socket of that flank. All load cases, supports and error patterns of the geometry
-share this set-up.
+Screw, nut and one ball are meshed coarsely, with a refinement box (a pocket for a fine patch) at every contact. One fine
+patch per flank is condensed exactly and fits every refinement box of that flank. All load cases, supports and error
+patterns of the geometry share this set-up.
 
 The parts of a set-up are computed in several processes of this machine (`compute_records`): gmsh and the sparse
 factorisation handle one part at a time in each process.
@@ -184,7 +184,7 @@ def mesh_and_condense_geometry(
 
     Returns
     -------
-    Setup
+    CondensedGeometry
         The prepared geometry.
 
     Raises
@@ -360,9 +360,9 @@ def _collect_mesh_quality(meshes: PartMeshes, settings: Settings) -> dict[str, f
 
 
 def _have_mirrored_sockets(meshes: PartMeshes, side: int) -> bool:
-    """Return whether the sockets (pockets for fine patches) of a right flank are mirror images of those of the left one.
+    """Return whether the refinement boxes (for fine patches) of a right flank are mirror images of those of the left flank.
 
-    ``side``: the right flank. Compared are the nodes and triangles of the sockets' faces in groove and ball.
+    ``side``: the right flank. Compared are the nodes and triangles of the refinement boxes' faces in groove and ball.
     """
     bodies = (meshes.screw_mesh if side < 2 else meshes.nut_mesh, meshes.ball_mesh)
     return all(
@@ -414,7 +414,7 @@ def compute_records(
 
     Parameters
     ----------
-    jobs : Sequence[Job]
+    jobs : Sequence[RecordJob]
         The jobs.
     cache : Cache
         Cache of records.

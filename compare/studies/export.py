@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 #: Name of the quarter block for a Hertz contact, refined as in Lin's thesis; it does not depend on the scene.
 BLOCK = "block-source"
 
-#: Names of the bodies. Ending of the names of bodies with a socket (a hole for a fine contact patch) at every contact,
-#: which the 3D reference condenses to the nodes of the sockets.
+#: Names of the bodies. Ending of the names of bodies with a refinement box (a hole for a fine contact patch) at every
+#: contact, which the 3D reference condenses to the nodes of the refinement boxes.
 BODIES, SOCKETS = ("screw", "nut", "ball"), "-with-sockets"
 
 #: Growth of element size per distance from the contacts, in meshes of whole bodies.
@@ -54,8 +54,8 @@ def names_of_exportable_parts(scene: Scene) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Names of the whole bodies, of the bodies with sockets (holes for fine contact patches), of the patches of groove and
-        ball on the flanks that may touch, and of the quarter block for a Hertz contact.
+        Names of the whole bodies, of the bodies with refinement boxes (holes for fine contact patches), of the patches of
+        groove and ball on the flanks that may touch, and of the quarter block for a Hertz contact.
     """
     sides = [SIDES[s] for s in flanks_to_mesh(scene)]
     patches = (f"{kind}-{s}" for kind in ("patch", "ball-patch") for s in sides)
@@ -128,7 +128,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     settings, sides, m = mesh_settings([scene], level), flanks_to_mesh(scene), GrooveMap.from_scene(scene)
     meshes = mesh_parts(scene, m, ball_layout(scene), dimensions_of_3d_parts(scene), sides, settings, Cache(cache))
     bodies: dict[str, Any] = {"ball": meshes.ball_mesh, "screw": meshes.screw_mesh, "nut": meshes.nut_mesh}
-    if part.endswith(SOCKETS):  # the inner faces of the sockets, the flat ends
+    if part.endswith(SOCKETS):  # the inner faces of the refinement boxes, the flat ends
         mesh = bodies[part.removesuffix(SOCKETS)].mesh
         names = [name for name in mesh.boundaries if "socket" in name or " end" in name or name in ("seat", "centring")]
         return with_only_boundaries(convert_mesh_order(mesh, element_type_of_bodies(settings)), *names)

@@ -1,1 +1,1 @@
-"""Finite-element bodies: coarse ones with sockets, fine patches that fill these, and short pieces around one contact."""
+"""Finite-element bodies: coarse ones with refinement boxes, fine patches that fill these, short pieces at one contact."""

@@ -1,15 +1,15 @@
-"""Elastic bodies with sockets: compliance between contact patches through the body.
+"""Elastic bodies with refinement boxes: compliance between contact patches through the body.
 
-A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes matter in which a patch's
-contact forces act on its socket: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by u = A f +
-V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
+A body is its coarse mesh plus the condensed patches in its refinement boxes. Only the few smooth modes matter in which a
+patch's contact forces act on its refinement box: with the transfer H = V Q, of few modes V, the contact nodes of a patch
+move by u = A f + V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
 
 The local compliance of a contact comes from a submodel: a short, finely meshed piece of its body around the contact. A
 coarse body tied to a condensed patch transfers loads from contact to contact well, but is too stiff under a contact's own
-load: the displacements of its socket and the cells around the socket suppress a part of the approach, which no finer patch
-restores. That part is local, equal for all contacts of a flank, and decays within a socket's size. So a contact's local
-compliance is computed in a piece of the body cut off around one contact and meshed as finely as needed, and the
-contribution of the coarse body is subtracted:
+load: the displacements of its refinement box and the cells around the refinement box suppress a part of the approach, which
+no finer patch restores. That part is local, equal for all contacts of a flank, and decays within a refinement box's size.
+So a contact's local compliance is computed in a piece of the body cut off around one contact and meshed as finely as
+needed, and the contribution of the coarse body is subtracted:
 
     A_own = C_fine - V G_coarse V^T,
 
@@ -50,9 +50,9 @@ from rollbench.meshes.tet_patch import SUB_TRIANGLES, split_into_linear_tetrahed
 
 @dataclass(frozen=True)
 class BodySocket:
-    """Socket of a body: the box cut out of its coarse mesh around one contact, which a fine patch fills."""
+    """Refinement box of a body: the box cut out of its coarse mesh around one contact, which a fine patch fills."""
 
-    #: Indices of the socket's nodes in the body's mesh, in the order of the patch of its flank.
+    #: Indices of the refinement box's nodes in the body's mesh, in the order of the patch of its flank.
     node_indices: Index
     #: Rotation matrix from the frame of the patch to that of the body ``(3, 3)``.
     rotation: Array
@@ -74,16 +74,16 @@ NO_RESULTANT = 1e-9
 
 
 def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Array, Array]:
-    """Find a few displacement modes V of a contact, and their nodal forces Q on the socket, such that H is nearly V Q.
+    """Find a few displacement modes V of a contact and their nodal forces Q on its refinement box, so that H is nearly V Q.
 
-    H (`CondensedPatch.H`) gives the displacements of the contact by the motion of the socket, the box that the patch fills;
-    H^T gives the forces on the socket by the contact loads.
+    H (`CondensedPatch.H`) gives the displacements of the contact by the motion of the refinement box, the box that the
+    patch fills; H^T gives the forces on the refinement box by the contact loads.
 
     The first modes belong to the independent resultants (forces and moments) of the contact loads. Each gives the nodal
-    forces on the socket that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
+    forces on the refinement box that contact pressures cause on average per unit of the resultant, so that Q^T V^T f is in
     equilibrium with all contact loads f. The resultants are computed from the contact loads themselves; H of a coarser
     patch gives them only to some 1e-4 (`hifi.bodies.patch.condense_patch`). The next modes are the strongest of the
-    remaining loads on the socket, which have no resultant.
+    remaining loads on the refinement box, which have no resultant.
 
     The pressures are elliptic, of several sizes and positions in the contact zone (`elliptic_pressures_of_unit_force`), so
     that the modes do not depend on the grid and few are needed. Loads on single nodes count with the weight `REST`. The
@@ -101,7 +101,7 @@ def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Arra
     V : (c, k) Array
         k orthonormal displacement modes of the contact.
     Q : (k, 3 nodes) Array
-        Nodal forces of these modes on the degrees of freedom of the socket's nodes.
+        Nodal forces of these modes on the degrees of freedom of the refinement box's nodes.
     """
     rigid, moved = rigid_motions_of_patch(patch)
     W, strength, _ = np.linalg.svd(moved, full_matrices=False)
@@ -127,15 +127,15 @@ def contact_modes_of_patch(patch: CondensedPatch, mode_count: int) -> tuple[Arra
 def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
     """Return as columns the left singular vectors of a matrix ``(n, s)`` whose singular values exceed ``least``.
 
-    The vector of the largest singular value comes first. ``traces``: the matrix; its columns are s nodal loads on a socket
-    of n degrees of freedom.
+    The vector of the largest singular value comes first. ``traces``: the matrix; its columns are s nodal loads on a
+    refinement box of n degrees of freedom.
     """
     U, strength, _ = np.linalg.svd(traces, full_matrices=False)
     return np.asarray(U[:, strength > least])
 
 
 def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute six independent rigid motions of a fine patch, as displacements of its socket's and its contact nodes.
+    """Compute six independent rigid motions of a fine patch, as displacements of its contact and its refinement box.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
     Returns
     -------
     rigid : (3 nodes, 6) Array
-        Orthonormal rigid motions of the socket's nodes.
+        Orthonormal rigid motions of the refinement box's nodes.
     moved : (c, 6) Array
         Displacement along the normal at each of c contact nodes, averaged with its pressure basis function, by each motion.
     """
@@ -243,14 +243,14 @@ def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
 def assemble_body_stiffness(
     mesh: Mesh, sockets: Sequence[BodySocket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
-    """Assemble the stiffness of a coarsely meshed body with condensed fine patches in its sockets (boxes at the contacts).
+    """Assemble the stiffness of a coarsely meshed body with condensed fine patches in its refinement boxes.
 
     Parameters
     ----------
     mesh : Mesh
         Mesh of the coarse body, of n nodes.
-    sockets : Sequence[Socket]
-        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
+    sockets : Sequence[BodySocket]
+        Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     patches : dict[int, CondensedPatch]
         Condensed patch of each flank.
     young : float
@@ -283,21 +283,21 @@ def assemble_body_stiffness(
 def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, Array], freedom_count: int) -> sp.csr_array:
     """Assemble the matrix Q of nodal forces that unit modal forces of all contacts exert on a body's degrees of freedom.
 
-    The nodal forces of a socket are given in the frame of its patch, and rotated into the frame of the body.
+    The nodal forces of a refinement box are given in the frame of its patch, and rotated into the frame of the body.
 
     Parameters
     ----------
-    sockets : Sequence[Socket]
-        Sockets of the body: pockets of its coarse mesh that the fine patches fill.
+    sockets : Sequence[BodySocket]
+        Refinement boxes of the body: pockets of its coarse mesh that the fine patches fill.
     mode_forces : dict[int, Array]
-        By flank, the nodal forces Q of the k modes of a patch on its socket's degrees of freedom ``(k, 3 nodes)``.
+        By flank, the nodal forces Q of the k modes of a patch on its refinement box's degrees of freedom ``(k, 3 nodes)``.
     freedom_count : int
         Number of the body's degrees of freedom.
 
     Returns
     -------
     (r, size) sparse array
-        Matrix Q with a row for each of the r modes of all sockets, socket after socket.
+        Matrix Q with a row for each of the r modes of all refinement boxes, box after box.
     """
     data, row, column = [], [], []
     start = 0
@@ -423,7 +423,7 @@ class ContactSubmodel:
 
     #: Mesh of the piece.
     mesh: Mesh
-    #: Indices of its socket's nodes, in the order of the socket mesh of the flank.
+    #: Indices of its refinement box's nodes, in the order of the refinement box mesh of the flank.
     socket_nodes: Index
     #: Rotation matrix from the frame of the patch to that of the piece ``(3, 3)``.
     rotation: Array
@@ -441,7 +441,7 @@ def contact_compliance_in_fine_submodel(
     piece : ContactSubmodel
         Piece of the body.
     patch : PatchMesh
-        Patch in its socket.
+        Patch in its refinement box.
     normals : (c, 3) Array
         Directions of the contact loads at the c contact nodes.
     young : float
@@ -467,7 +467,7 @@ def compliance_of_patch_in_submodel(
 ) -> Array:
     """Compute the compliance between several load cases on a fine patch that is solved together with the body around it.
 
-    The body is a short piece, in whose socket the patch lies.
+    The body is a short piece, in whose refinement box the patch lies.
 
     Parameters
     ----------
@@ -500,7 +500,7 @@ def compliance_of_patch_in_submodel(
     free, loads = _free_and_balancing_loads(piece)
     place = np.full(K_body.shape[0], -1, dtype=np.int64)
     place[free] = inner.size + np.arange(free.size)
-    # the interface follows the socket's nodes: patch's frame = R^T times the body's
+    # the interface follows the refinement box's nodes: patch's frame = R^T times the body's
     turn = sp.block_diag([sp.csr_array(piece.rotation.T)] * piece.socket_nodes.size)
     tie = (sp.kron(patch.interface_weights, sp.eye_array(3)) @ turn).tocoo()
     lines = np.concatenate([inner, outer[tie.row]])
@@ -526,9 +526,9 @@ def mode_compliance_in_coarse_submodel(
     piece : ContactSubmodel
         Piece of the body.
     patch : CondensedPatch
-        Condensed patch in its socket.
+        Condensed patch in its refinement box.
     mode_forces : (k, 3 nodes) Array
-        Nodal forces Q of the k modes on the degrees of freedom of the socket's nodes.
+        Nodal forces Q of the k modes on the degrees of freedom of the refinement box's nodes.
     young : float
         Young's modulus [Pa].
     poisson : float

@@ -1,10 +1,10 @@
-"""A fine groove or ball patch, condensed once onto its socket and its contact normals.
+"""A fine groove or ball patch, condensed once onto its refinement box and its contact normals.
 
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as in Lin's thesis.
 
-With the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by a
-pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H q,
-reaction on the socket r = S q - H^T f.
+With the refinement box's inner faces tied to the coarse trace q and forces f along the contact normals, each distributed by
+a pressure basis function (`hifi.elements.forms`): mean displacements over these functions along the normals u_c = A f + H
+q, reaction on the refinement box r = S q - H^T f.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class PatchCellBoundaries:
 
 @dataclass(frozen=True)
 class PatchMesh(MeshedBody):
-    """Fine mesh (patch) around one contact, which fills a box cut out of the coarse mesh of a body (socket).
+    """Fine mesh (patch) around one contact, which fills a box cut out of the coarse mesh of a body (refinement box).
 
     Its named boundaries are "surface", "contact" (the contact zone on the surface) and "interface" (to the body).
     """
@@ -77,12 +77,12 @@ class PatchMesh(MeshedBody):
     on_zone_edge: Flags
     #: Nodes of the interface to the body.
     interface_nodes: Index
-    #: Weights that interpolate the interface nodes from the socket's nodes ``(interface nodes, socket nodes)``.
+    #: Weights that interpolate the interface nodes from the refinement box's nodes ``(interface nodes, box nodes)``.
     interface_weights: sp.csr_array
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns), by
     #: `hifi.elements.forms.pressure_function_integrals`.
     pressure_weights: sp.csr_array
-    #: Points of the socket's nodes ``(k, 3)`` [m].
+    #: Points of the refinement box's nodes ``(k, 3)`` [m].
     socket_points: Array
 
     @property
@@ -100,16 +100,16 @@ class PatchMesh(MeshedBody):
 class CondensedPatch:
     """Fine mesh around a contact, condensed to its c contact nodes and k boundary nodes: u_c = A f + H q, r = S q - H^T f.
 
-    The boundary is the socket, the box in the coarse mesh of the body that the fine mesh (patch) fills. f: contact loads
-    (c,) [N]; u_c: displacements along the normals, averaged with each node's pressure basis function (c,) [m]; q:
-    displacements of the socket's nodes (3 k,) [m]; r: forces on them (3 k,) [N].
+    The boundary is the refinement box, the box in the coarse mesh of the body that the fine mesh (patch) fills. f: contact
+    loads (c,) [N]; u_c: displacements along the normals, averaged with each node's pressure basis function (c,) [m]; q:
+    displacements of the refinement box's nodes (3 k,) [m]; r: forces on them (3 k,) [N].
     """
 
-    #: Mean displacement per contact load with the socket fixed ``(c, c)`` [m/N].
+    #: Mean displacement per contact load with the refinement box fixed ``(c, c)`` [m/N].
     A: Array
-    #: Mean displacement by the motion of the socket ``(c, 3 k)``; H^T carries contact loads to the socket.
+    #: Mean displacement by the motion of the refinement box ``(c, 3 k)``; H^T carries contact loads to the refinement box.
     H: Array
-    #: Stiffness at the socket ``(3 k, 3 k)`` [N/m].
+    #: Stiffness at the refinement box ``(3 k, 3 k)`` [N/m].
     S: Array
     #: Contact nodes ``(c, 3)`` [m].
     contact_points: Array
@@ -123,7 +123,7 @@ class CondensedPatch:
     contact_grid_shape: tuple[int, int] | None
     #: Weights W ``(c, c)`` [m2] of the pressure functions (rows) at displacements (columns).
     pressure_weights: sp.csr_array
-    #: Points of the socket's nodes ``(k, 3)`` [m], in the patch's frame.
+    #: Points of the refinement box's nodes ``(k, 3)`` [m], in the patch's frame.
     socket_points: Array
     #: Number of degrees of freedom that were condensed.
     degree_of_freedom_count: int
@@ -191,10 +191,10 @@ def mesh_hexahedral_patch(
     map_to_space: Callable[[Array], Array],
     socket: RefinementBoxFaces,
 ) -> PatchMesh:
-    """Mesh the patch around a contact with 27-node hexahedra, and tie its boundary to the socket in the coarse mesh.
+    """Mesh the patch around a contact with 27-node hexahedra, and tie it to its refinement box in the coarse mesh.
 
-    The nodes of that boundary (interface) are moved onto the socket's second-order triangles, so that rigid motions of the
-    socket cause no strain.
+    The nodes of that boundary (interface) are moved onto the refinement box's second-order triangles, so that rigid motions
+    of the refinement box cause no strain.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def mesh_hexahedral_patch(
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : RefinementBoxFaces
-        Mesh of the socket's faces.
+        Mesh of the refinement box's faces.
 
     Returns
     -------
@@ -241,7 +241,7 @@ def mesh_hexahedral_patch(
 def fit_tetrahedral_patch(
     local: TetrahedralPatchMesh, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces
 ) -> PatchMesh:
-    """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to the socket it fills.
+    """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to its refinement box.
 
     The coarse body may be of first or second order. The area of a contact node is a third of the area of the triangles
     around it. See `mesh_hexahedral_patch` for hexahedra.
@@ -253,7 +253,7 @@ def fit_tetrahedral_patch(
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     socket : RefinementBoxFaces
-        Mesh of the socket's faces.
+        Mesh of the refinement box's faces.
 
     Returns
     -------
@@ -325,7 +325,7 @@ def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: Pa
     normals : (c, 3) Array
         Directions of the displacements at the c contact nodes.
     carrier : PatchMesh, optional, default None
-        Another patch, fitted into the same cut-out (socket) of the coarse mesh. If given, the matrix acts on the
+        Another patch, fitted into the same cut-out (refinement box) of the coarse mesh. If given, the matrix acts on the
         displacements of its nodes, interpolated at the contact nodes of ``mesh``.
 
     Returns
@@ -390,11 +390,11 @@ def _quadratic_line_shapes(nodes: Array, at: Array) -> tuple[list[Index], list[A
 def _map_nodes_into_socket(
     xi: Array, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces, *, linear: bool = False
 ) -> tuple[Array, Index, sp.csr_array, Array]:
-    """Map the nodes of a patch into space; those on its boundary to the body (interface) lie on the socket's triangles.
+    """Map the nodes of a patch into space; those on the interface to the body lie on the refinement box's triangles.
 
     ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
     for `socket_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights
-    that interpolate them from the socket's k nodes, and the points of the socket's nodes (k, 3) [m].
+    that interpolate them from the refinement box's k nodes, and the points of the refinement box's nodes (k, 3) [m].
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
@@ -405,7 +405,7 @@ def _map_nodes_into_socket(
 
 
 def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
-    """Return the weights that interpolate points on the inner faces of a socket from the socket's nodes.
+    """Return the weights that interpolate points on the inner faces of a refinement box from the refinement box's nodes.
 
     Parameters
     ----------
@@ -419,12 +419,12 @@ def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear
     Returns
     -------
     (n, k) sparse array
-        Weights of the socket's nodes at each point.
+        Weights of the refinement box's nodes at each point.
 
     Raises
     ------
     ValueError
-        A point lies on no triangle of the socket.
+        A point lies on no triangle of the refinement box.
     """
     rows, columns, values = [], [], []
     done = np.zeros(len(xi), dtype=bool)
@@ -447,7 +447,7 @@ def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear
         done[points[found]] = True
     if not done.all():
         raise ValueError(
-            "a boundary node of the fine mesh around a contact lies on no triangle of the socket (box) that it fills: "
+            "a boundary node of the fine mesh around a contact lies on no triangle of the refinement box that it fills: "
             "both must have the same size"
         )
     matrix = sp.coo_array(
@@ -472,17 +472,17 @@ def _linear_triangle_shapes(w: Array) -> Array:
 
 @dataclass(frozen=True)
 class _PatchStiffnessBlocks:
-    """Stiffness of a patch split into blocks: its inner degrees of freedom, its boundary, and the socket it is tied to."""
+    """Stiffness of a patch in blocks: its inner degrees of freedom, its boundary, and the refinement box it is tied to."""
 
     #: Stiffness of the inner degrees of freedom ``(i, i)`` [N/m].
     inner_stiffness: sp.csc_array
-    #: Stiffness between the inner degrees of freedom and those of the socket ``(i, 3 k)`` [N/m].
+    #: Stiffness between the inner degrees of freedom and those of the refinement box ``(i, 3 k)`` [N/m].
     inner_to_socket_stiffness: sp.csc_array
     #: Stiffness of the interface's degrees of freedom [N/m].
     interface_stiffness: sp.csc_array
     #: Unit contact loads on the inner degrees of freedom ``(i, c)``.
     contact_forces: sp.csc_array
-    #: Weights that interpolate the interface's degrees of freedom from those of the socket.
+    #: Weights that interpolate the interface's degrees of freedom from those of the refinement box.
     interface_weights: sp.csc_array
     #: Indices of the inner degrees of freedom among all ``(i,)``.
     inner_freedoms: Index
@@ -496,7 +496,7 @@ def _assemble_patch_stiffness_blocks(
     K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
     if np.isin(mesh.contact_nodes, mesh.interface_nodes).any():
         raise ValueError(
-            "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than the socket"
+            "the contact zone reaches the edge of the fine mesh around the contact: make the zone smaller than the box"
         )
     inner = np.setdiff1d(np.arange(K.shape[0]), degrees_of_freedom_on_boundaries(base.mesh, "interface"))
     outer = (3 * base.interface_nodes[:, None] + np.arange(3)).ravel()
@@ -509,10 +509,10 @@ def _assemble_patch_stiffness_blocks(
 def condense_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, coarser_patch: PatchMesh | None = None
 ) -> CondensedPatch:
-    """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the socket it fills.
+    """Condense the fine mesh (patch) around a contact to its contact nodes and to the nodes of the refinement box it fills.
 
-    The result is exact, unless the mesh of a coarser patch of the same socket is used instead (carrier). That hardly
-    changes the matrices H and S, but it changes A.
+    The result is exact, unless the mesh of a coarser patch of the same refinement box is used instead (carrier). That
+    hardly changes the matrices H and S, but it changes A.
 
     Parameters
     ----------
@@ -525,7 +525,7 @@ def condense_patch(
     poisson : float
         Poisson's ratio.
     coarser_patch : PatchMesh, optional, default None
-        A coarser patch of the same socket whose mesh is used in place of that of ``mesh``; None: ``mesh`` is used.
+        A coarser patch of the same refinement box whose mesh is used in place of that of ``mesh``; None: ``mesh`` is used.
 
     Returns
     -------
@@ -562,7 +562,7 @@ def condense_patch(
 def nodal_displacements_of_patch(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, socket_displacements: Array
 ) -> Array:
-    """Compute the displacements of all nodes of a patch from its contact forces and the motion of its socket.
+    """Compute the displacements of all nodes of a patch from its contact forces and the motion of its refinement box.
 
     Its equations are solved once more. At the contact the displacements agree with the condensed patch, A f + H q.
 
@@ -579,7 +579,7 @@ def nodal_displacements_of_patch(
     forces : (c,) Array
         Contact forces f [N].
     socket_displacements : (3 k,) Array
-        Displacements q of the socket's nodes in the patch's frame [m].
+        Displacements q of the refinement box's nodes in the patch's frame [m].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Meshes of one geometry: coarse screw, nut and ball with sockets at their contacts, and the patches that fill the sockets.
+"""Meshes of one geometry: coarse screw, nut and ball with refinement boxes at their contacts, and patches that fill these.
 
 Also here: mesh sizes, the grid of the contact zone, and the patch of the ball on the nodes of the groove.
 """
@@ -49,7 +49,7 @@ from rollbench.meshes.tet_patch import mesh_patch_with_tetrahedra, patch_as_in_t
 #: Half width of the contact zone over the largest expected distance of a contact's edge, across and along the groove.
 MARGIN = (1.15, 1.2)
 
-#: Largest reduction of the cell size where the socket is hardly wider than the contact.
+#: Largest reduction of the cell size where the refinement box is hardly wider than the contact.
 TIGHT = 4.0
 
 #: Points around an ellipse at which its reach is evaluated.
@@ -66,16 +66,16 @@ def choose_patch_cells(
     settings : Settings
         Mesh settings: cell sizes, modes and element type.
     half_widths : tuple[float, float]
-        Half widths of the socket that the patch fills, across and along the groove [m].
+        Half widths of the refinement box that the patch fills, across and along the groove [m].
     deep : float
-        Depth of the socket [m].
+        Depth of the refinement box [m].
 
     Returns
     -------
     lines : PatchCellBoundaries
         Cell boundaries in local coordinates.
     zone : tuple[float, float]
-        Half widths of the contact zone across and along the groove, over those of the socket.
+        Half widths of the contact zone across and along the groove, over those of the refinement box.
     """
     a, b = settings.semi
     wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
@@ -95,7 +95,7 @@ def choose_patch_cells(
 def choose_socket_size(
     scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions, settings: Settings
 ) -> RefinementBoxSize:
-    """Choose the size of the sockets: boxes in the coarse meshes, filled by fine ones, into which the contact ellipses fit.
+    """Choose the size of the refinement boxes (holes for fine meshes), into which the contact ellipses fit.
 
     Parameters
     ----------
@@ -115,12 +115,12 @@ def choose_socket_size(
     Returns
     -------
     RefinementBoxSize
-        Size of the sockets.
+        Size of the refinement boxes.
 
     Raises
     ------
     ValueError
-        The parts leave no room for the sockets.
+        The parts leave no room for the refinement boxes.
     """
     nut, position = scene.nut, scene.nut.position
     low, high = dims.ends_of_meshed_screw(scene)
@@ -163,7 +163,7 @@ def reach_of_ellipses_along_groove(m: GrooveMap, side: int, angle: Array, across
 def ball_socket_and_map(
     m: GrooveMap, groove_socket_size: RefinementBoxSize, side: int, zone: tuple[float, float]
 ) -> tuple[BallRefinementBox, Callable[[Array], Array]]:
-    """Return the ball's socket (box for the fine mesh) at a flank, and the function that maps local coordinates into it.
+    """Return the ball's refinement box at a flank, and the function that maps local coordinates in it to points.
 
     In the contact zone the map places the ball's nodes exactly opposite to those of the groove.
 
@@ -172,16 +172,16 @@ def ball_socket_and_map(
     m : GrooveMap
         Geometry of the track.
     groove_socket_size : RefinementBoxSize
-        Size of the groove's socket.
+        Size of the groove's refinement box.
     side : int
         Groove flank: 0, 1 on the screw (left, right), 2, 3 on the nut.
     zone : tuple[float, float]
-        Half widths of the contact zone across and along the groove, over those of the socket.
+        Half widths of the contact zone across and along the groove, over those of the refinement box.
 
     Returns
     -------
     socket : BallRefinementBox
-        Socket of the ball.
+        Refinement box of the ball.
     place : callable
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m] in the ball's frame.
     """
@@ -196,7 +196,7 @@ RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 #: contact's patch.
 CARRIER = 0.5
 
-#: Contact at which a body has a socket: azimuth [rad], axial position [m], and flank (0 to 3).
+#: Contact at which a body has a refinement box: azimuth [rad], axial position [m], and flank (0 to 3).
 Place = tuple[float, float, int]
 
 #: Function, arguments and class of a record, as for `rollbench.meshes.cache.Cache.get`.
@@ -205,17 +205,17 @@ Recipe = tuple[Callable[..., Any], tuple[Any, ...], type]
 
 @dataclass(frozen=True)
 class FlankSockets:
-    """Sockets of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
+    """Refinement boxes of groove and ball at one flank: boxes in their coarse meshes that the fine contact meshes fill."""
 
-    #: Faces of the groove's socket.
+    #: Faces of the groove's refinement box.
     groove_socket: RefinementBoxFaces
-    #: Faces of the ball's socket.
+    #: Faces of the ball's refinement box.
     ball_socket: RefinementBoxFaces
-    #: Size of the groove's socket.
+    #: Size of the groove's refinement box.
     socket_size: RefinementBoxSize
-    #: Half widths of the contact zone across and along the groove, over those of the socket.
+    #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
-    #: Half widths of the socket across and along the groove [m].
+    #: Half widths of the refinement box across and along the groove [m].
     half_widths: tuple[float, float]
 
 
@@ -229,15 +229,15 @@ class PartMeshes:
     nut_mesh: CoarseGroovedBodyMesh
     #: Coarse ball.
     ball_mesh: CoarseBallMesh
-    #: Size of the grooves' sockets.
+    #: Size of the grooves' refinement boxes.
     socket_size: RefinementBoxSize
-    #: Half widths of the contact zone across and along the groove, over those of the socket.
+    #: Half widths of the contact zone across and along the groove, over those of the refinement box.
     relative_zone_size: tuple[float, float]
-    #: Half widths of the sockets across and along the groove [m].
+    #: Half widths of the refinement boxes across and along the groove [m].
     half_widths: tuple[float, float]
 
     def sockets_of_flank(self, side: int) -> FlankSockets:
-        """Return the sockets of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
+        """Return the refinement boxes of groove and ball at a flank (0 to 3), which the fine contact meshes fill."""
         body = self.screw_mesh if side < 2 else self.nut_mesh
         return FlankSockets(
             body.box_faces[side],
@@ -278,13 +278,13 @@ def mesh_parts(
 
     Returns
     -------
-    Meshes
+    PartMeshes
         The meshes.
 
     Raises
     ------
     ValueError
-        There is no room for a socket, or gmsh finds no good mesh.
+        There is no room for a refinement box, or gmsh finds no good mesh.
     """
     cache = cache or Cache(None)
     recipes, gather = list_part_mesh_calls(scene, m, layout, dims, sides, settings)
@@ -318,7 +318,7 @@ def list_part_mesh_calls(
     recipes : list of Recipe
         Function, arguments and class of the meshes of screw, nut and ball.
     gather : callable
-        Function that returns the `Meshes` of these three meshes.
+        Function that returns the `PartMeshes` of these three meshes.
     """
     size = choose_socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
@@ -382,7 +382,7 @@ def rotation_about_z(phi: float) -> Array:
 
 
 def sockets_at_contact_azimuths(mesh: CoarseGroovedBodyMesh, contacts: tuple[Place, ...]) -> list[BodySocket]:
-    """Create the sockets of screw or nut, each with the rotation from its patch's frame to the azimuth of its contact.
+    """Create the refinement boxes of screw or nut, each with the rotation of its patch to the azimuth of its contact.
 
     Parameters
     ----------
@@ -393,8 +393,8 @@ def sockets_at_contact_azimuths(mesh: CoarseGroovedBodyMesh, contacts: tuple[Pla
 
     Returns
     -------
-    list[Socket]
-        One socket for each contact.
+    list[BodySocket]
+        One refinement box for each contact.
     """
     return [BodySocket(n, rotation_about_z(x[0]), x[2]) for n, x in zip(mesh.nodes_on_box_faces, contacts, strict=True)]
 
@@ -421,14 +421,14 @@ def mesh_coarser_patch(
     map_to_space: Callable[[Array], Array],
     settings: Settings,
 ) -> PatchMesh | None:
-    """Mesh a coarser patch of hexahedra in the same socket, which only transfers loads from a contact to its body.
+    """Mesh a coarser patch of hexahedra in the same refinement box, which only transfers loads from a contact to its body.
 
     Parameters
     ----------
-    meshes : Meshes | Sockets
-        Size of the sockets and their contact zone.
+    meshes : PartMeshes | FlankSockets
+        Size of the refinement boxes and their contact zone.
     socket : RefinementBoxFaces
-        Mesh of the socket's faces.
+        Mesh of the refinement box's faces.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings
@@ -449,16 +449,16 @@ def mesh_patch(
     map_to_space: Callable[[Array], Array],
     settings: Settings,
 ) -> PatchMesh:
-    """Mesh the patch (fine mesh) that fills a socket around a contact, with hexahedra or tetrahedra as the settings say.
+    """Mesh the patch (fine mesh) that fills a refinement box, with hexahedra or tetrahedra as the settings say.
 
     The hexahedra are graded; the tetrahedra are sized as in Lin's thesis.
 
     Parameters
     ----------
-    meshes : Meshes | Sockets
-        Size of the sockets and their contact zone.
+    meshes : PartMeshes | FlankSockets
+        Size of the refinement boxes and their contact zone.
     socket : RefinementBoxFaces
-        Mesh of the socket's faces.
+        Mesh of the refinement box's faces.
     map_to_space : Callable[[Array], Array]
         Function that maps local coordinates ``(n, 3)`` to points ``(n, 3)`` [m].
     settings : Settings

@@ -48,19 +48,19 @@ class Settings:
     semi: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
     #: Largest distances from the nominal contact point to the edge of a contact, across and along the groove [m].
     reach: tuple[float, float] = frozen_default((0.40e-3, 0.105e-3))
-    #: Element size of the coarse bodies at the sockets [m].
+    #: Element size of the coarse bodies at the refinement boxes [m].
     fine: float = frozen_default(1.0e-3)
-    #: Element size of the coarse bodies far from the sockets [m].
+    #: Element size of the coarse bodies far from the refinement boxes [m].
     coarse: float = frozen_default(5.0e-3)
-    #: Element size of the balls at the sockets [m].
+    #: Element size of the balls at the refinement boxes [m].
     ball_fine: float = frozen_default(0.35e-3)
-    #: Element size of the balls far from the sockets [m].
+    #: Element size of the balls far from the refinement boxes [m].
     ball_coarse: float = frozen_default(0.8e-3)
-    #: Subdivisions of the sockets' edges across, in depth and along.
+    #: Subdivisions of the refinement boxes' edges across, in depth and along.
     cuts: tuple[int, int, int] = frozen_default((3, 2, 3))
     #: Ratio of neighbouring cells of a patch outside the contact zone.
     growth: float = frozen_default(1.6)
-    #: Subdivisions of the sockets' edges in submodels of one contact.
+    #: Subdivisions of the refinement boxes' edges in submodels of one contact.
     own_cuts: tuple[int, int, int] = frozen_default((4, 4, 4))
     #: Element sizes (near, far) of the submodels of grooves [m].
     own_sizes: tuple[float, float] = frozen_default((0.5e-3, 2.5e-3))

@@ -5,8 +5,8 @@ half-space whose zone has the same nodes. The effect of the grid on the singular
 
 For rings and helices the bodies are patches of the static reference in pieces of their bodies. For straight tracks, which
 the static reference does not have, they are a whole ball and a grooved bar (`hifi.rolling.contact_bodies`). A patch is
-meshed by `hifi.bodies.patch.mesh_hexahedral_patch` on the exact groove, or on the ball, in its socket of a piece of screw,
-ring, nut or ball cut as in `hifi.condensation`. Patch and piece are solved together
+meshed by `hifi.bodies.patch.mesh_hexahedral_patch` on the exact groove, or on the ball, in its refinement box of a piece of
+screw, ring, nut or ball cut as in `hifi.condensation`. Patch and piece are solved together
 (`hifi.bodies.coarse.compliance_of_patch_in_submodel`). The cells of the contact zone are those of the other bodies of
 rolling (`hifi.rolling.contact_bodies.Zone`).
 
@@ -90,8 +90,9 @@ LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
 #: Fixed boundaries of the pieces of grooved bodies.
 ENDS = ("low end", "high end")
 
-#: Subdivisions of the sockets' edges; element sizes near the socket and away from it, over the ball's radius, for grooves
-#: and for balls. These are the sizes of mesh level 1 of the static 3D reference (`compare.reference.levels`).
+#: Subdivisions of the refinement boxes' edges; element sizes near the refinement box and away from it, over the ball's
+#: radius, for grooves and for balls. These are the sizes of mesh level 1 of the static 3D reference
+#: (`compare.reference.levels`).
 CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 
 
@@ -136,7 +137,7 @@ def mesh_contact_pieces(
         Radii of ball and groove [m].
     angle : float
         Angle at the ball's centre from the groove's bottom to the contact [rad].
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     on_nut_or_outer_ring : bool
         Whether the groove is that of the nut or outer ring.
@@ -351,7 +352,7 @@ def nodal_forces_of_tractions(
     ----------
     body : ContactBody
         The body, with n nodes.
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     degree : int
         Degree of the monomials, k of them.
@@ -493,7 +494,7 @@ def half_space_compliance_on_same_nodes(
     ----------
     body : ContactBody
         The body.
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     size : float
         Distance of the cut faces from the contact's centre [m].
@@ -657,7 +658,7 @@ def compliance_kernels_of_patches(
         Radii of ball and groove [m].
     angle : float
         Angle from the groove's bottom to the contact [rad].
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     surface_curvatures : tuple[float, float]
         Curvatures along x and y of the surface that ball and groove share [1/m], positive towards the ball.
@@ -704,7 +705,7 @@ def kernel_from_groove_response(added: Array, zone: ContactZone, degree: int) ->
     ----------
     added : (3 k, 3 k) Array
         Compliance of the groove less that of the half-space [m/N]; k: number of monomials of the kernel.
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     degree : int
         Degree of the kernel's polynomials.
@@ -769,7 +770,7 @@ class ContactGeometry:
 
         Returns
         -------
-        Zone
+        ContactZone
             The zone.
         """
         ellipse = solve_hertz(load, *self.relative_radii, young, poisson)

@@ -85,7 +85,7 @@ class NutOnHousing:
     G: Array
     #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array
-    #: Index of the housing among those of the `Frame`, from 0.
+    #: Index of the housing among those of the `ShaftSupports`, from 0.
     housing: int
 
 
@@ -127,7 +127,7 @@ def subtract_cut_end_flexibility(
 
     Parameters
     ----------
-    stretch : Stretch
+    stretch : MeshedShaftPart
         The stretch.
     cut : (6, 6) Array
         Flexibility E that one cut end adds to a beam [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
@@ -138,7 +138,7 @@ def subtract_cut_end_flexibility(
 
     Returns
     -------
-    Stretch
+    MeshedShaftPart
         The corrected 3D part.
     """
     low, high = stretch.ends
@@ -167,7 +167,7 @@ def correct_beam_stiffness(
 
     Parameters
     ----------
-    stretch : Stretch
+    stretch : MeshedShaftPart
         The stretch.
     modes_by_rigid_motions : (c, k, 6) Array
         Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
@@ -183,7 +183,7 @@ def correct_beam_stiffness(
 
     Returns
     -------
-    Stretch
+    MeshedShaftPart
         The corrected 3D part.
     """
     low, high = stretch.ends
@@ -207,7 +207,7 @@ def support_shaft_part(stretch: MeshedShaftPart, scene: Scene, section: ShaftSec
 
     Parameters
     ----------
-    stretch : Stretch
+    stretch : MeshedShaftPart
         The stretch.
     scene : Scene
         Supports and loads.
@@ -238,9 +238,9 @@ def join_and_support_shaft_parts(
 
     Parameters
     ----------
-    stretches : Sequence[Stretch]
+    stretches : Sequence[MeshedShaftPart]
         Stretches of the shaft, from left to right.
-    frame : Frame
+    frame : ShaftSupports
         Supports, loads and housings.
     section_at : Callable[[float], ShaftSection]
         Function that returns the section of the beam at an axial position [m].
@@ -433,7 +433,7 @@ def find_unconstrained_rigid_motions(frame: ShaftSupports, origin: float) -> Arr
 
     Parameters
     ----------
-    frame : Frame
+    frame : ShaftSupports
         Supports and housings.
     origin : float
         Axial position of the reference point of the screw's motion [m]; a housing moves about its own position.
@@ -497,14 +497,14 @@ def replace_shaft_part_by_beam(
         position.
     contact_positions : (c,) Array
         Axial positions of the contacts [m].
-    stretch : Stretch
+    stretch : MeshedShaftPart
         The 3D stretch.
     section : ShaftSection
         Stiffnesses of the beam.
 
     Returns
     -------
-    Stretch
+    MeshedShaftPart
         Flexibility of the beam in place of the 3D stretch.
 
     Raises
