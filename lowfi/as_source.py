@@ -137,15 +137,15 @@ class LinEquations:
         Parameters
         ----------
         side
-            Number of the flank, 0 or 1 on the screw.
+            Number of the screw's flank, 0 or 1.
         gamma
             Contact angles ``(N,)`` [rad].
 
         Returns
         -------
         tuple[NDArray[np.int64], Array, Array, Array]
-            Index of the first of m nodal unknowns ``(N,)``; matrices M ``(N, 2, m)`` of Lin 2.17-2.21, and their first and
-            second derivative by the contact angle (eq. E.13 of Lin's thesis).
+            Index of the first of the m nodal unknowns that move a contact ``(N,)``; matrices M ``(N, 2, m)`` of Lin
+            2.17-2.21, and their first and second derivative by the contact angle (eq. E.13 of Lin's thesis).
         """
         p = self.problem
         if self.kinematics == "arc":
@@ -210,8 +210,9 @@ def _contact_geometry_and_forces(
     -------
     tuple
         Normal n, tangent t and dt/dgamma of each contact; distance of ball centre and flank; contact force [N] and its
-        derivative by the approach [N/m]; then the first three values of `System.flank_motion_matrices`: index of the first
-        nodal unknown, and the matrices from nodal motions to the flank's motion and their derivative by the contact angle.
+        derivative by the approach [N/m]; then the first three values of `LinEquations.flank_motion_matrices`: index of the
+        first nodal unknown, and the matrices from nodal motions to the flank's motion and their derivative by the contact
+        angle.
     """
     problem = system.problem
     a, t, t1 = system.contact_point_on_flank(side, gamma)

@@ -138,7 +138,7 @@ def contact_modulus(e1: float, nu1: float, e2: float, nu2: float) -> float:
 
 
 def ellipse_semi_axis_ratio(curvature_ratio: Array) -> Array:
-    """Return the ratio b/a of a contact ellipse's semi-axes from the ratio of the relative curvatures.
+    """Return the ratio b/a of a contact ellipse's semi-axes from the ratio A/B of the relative curvatures.
 
     Solves A/B = R_D(0, k^2, 1)/R_D(0, 1, k^2) for k = b/a by Newton's method in log k, to round-off.
 
@@ -223,9 +223,9 @@ def complete_elliptic_integrals(k: Array) -> tuple[Array, Array, Array]:
 def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Array) -> HertzConstants:
     """Return the constants of elliptical Hertz contact for given relative principal curvatures.
 
-    With the semi-axes a >= b and the halved relative curvatures A <= B: p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A
-    with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Valid for semi-axes small against the radii of
-    curvature, without friction and plastic deformation.
+    With the largest pressure p0, the semi-axes a >= b and the halved relative curvatures A <= B: p0 a b R_D(0, a^2, b^2)/(3
+    E*) = B, the same for A with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Valid for semi-axes small
+    against the radii of curvature, without friction and plastic deformation.
 
     Parameters
     ----------

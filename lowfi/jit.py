@@ -5,9 +5,9 @@ Plain Python has no start-up cost and suits one small solve; machine code suits 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles.
 ``load_kernel_package(package, compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time
 under another name, where the decorator ``kernel`` compiles. Named tuples that kernels take or return are in
-``kernel_types.py`` next to that folder: both copies must mean the same classes. To numba a number or truth value written
-out in a call has a type different from that of a variable, and the called kernel is compiled for each of them: where calls
-differ, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead.
+``kernel_types.py`` next to that folder, because the plain and the compiled package must use the same classes. numba gives a
+literal number or truth value in a call another type than a variable, and compiles the called kernel once for each type:
+where calls would differ so, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead of the literal.
 
 This module ensures that
 
@@ -15,7 +15,8 @@ This module ensures that
   whether machine code exists, runs plain Python if not, and may register a job (`register_compile_job`) that compiles the
   kernels after the result is printed;
 * outdated machine code is never used: it is stored in the user's cache under a digest of the sources of all kernels,
-  because numba compares only the file of the function itself. As it is executed, only the user may write to its folder;
+  because numba compares only the file of the function itself. As machine code is executed, only the user may write to its
+  folder;
 * an interrupt while numba compiles is safe: it takes effect when the current kernel is compiled.
 """
 
@@ -51,7 +52,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
 STATICS, CONTACT, LINEAR, SCREW, RANDOM_ERRORS = PACKAGES
 #: Part of the module names of a compiled copy, by which it is recognised.
 _MARK = "_compiled_"
-#: Number of folders of machine code that stay in the user's cache, one for each version of the sources; latest first.
+#: Number of folders of machine code, one for each version of the sources, that stay in the user's cache: those used last.
 _KEPT = 4
 
 
@@ -193,7 +194,7 @@ def register_compile_job(package: str, job: Callable[[], object]) -> None:
 
 
 def run_compile_jobs() -> None:
-    """Run the registered jobs; they compile, for later processes, the kernels that this one ran as plain Python."""
+    """Run the registered jobs; they compile, for later processes, the kernels that this process ran as plain Python."""
     while _afterwards:
         _afterwards.popitem()[1]()
 

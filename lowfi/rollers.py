@@ -7,8 +7,8 @@ Contact Mechanics, 1985, 5.57) to a depth d in the ring (5.58),
 
     delta = q (1 - nu^2)/(pi E) [2 ln(4 R_1/b) - 1]  +  q (1 - nu^2)/(pi E) [2 ln(2 d/b) - nu/(1 - nu)],
 
-summed over both races. With b ~ sqrt(q) that is delta = q (g - S ln q). This is not a power law, but its slope is near the
-exponents 1.1 and 10/9 that are used for rollers.
+summed over both races. With b ~ sqrt(q) that is delta = q (g - S ln q), g and S constant. This is not a power law, but its
+slope is near the exponents 1.1 and 10/9 that are used for rollers.
 
 The bearing has rigid rings, rollers that touch the rib, no friction, and no tilt of one ring against the other. All cones
 of the bearing (roller, cup, cone) have their apex in one point of the axis. At the distance l from it along the generator
@@ -79,7 +79,7 @@ def line_contact_half_width(line_load: Array | float, curvature: Array | float, 
     """
     k = np.asarray(curvature, dtype=float)
     if np.any(k <= 0.0):
-        raise ValueError(f"the relative curvature of a line contact got {float(k.min()):g} 1/m; allowed: above 0")
+        raise ValueError(f"relative curvature of a line contact: got {float(k.min()):g} 1/m; allowed: above 0")
     return np.sqrt(4.0 * np.asarray(line_load, dtype=float) / (np.pi * modulus * k))
 
 
@@ -238,7 +238,8 @@ class TaperedBearing:
             )
         if not 0.0 < 2.0 * self.roller_angle < self.cup_angle < 0.5 * np.pi or not 0.0 <= self.poisson < 0.5:
             raise ValueError(
-                "half angles of roller (gamma) and cup (alpha): 0 < 2 gamma < alpha < 90 deg; Poisson's ratio in [0, 0.5)"
+                "half angles of roller (gamma) and cup (alpha) must satisfy 0 < 2 gamma < alpha < 90 deg, and Poisson's "
+                "ratio must lie in [0, 0.5)"
             )
 
     @property

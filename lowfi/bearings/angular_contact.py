@@ -10,7 +10,7 @@ and a ball carries
     Q = ((s - A) / (C_i + C_o))^(3/2),                                                                                  (2)
 
 with the constants C of exact Hertz contact at both races. All quantities are explicit in u; only the displacement under a
-given load is iterated. Equivalent to Smith (1994), 2.1-2.23, who iterates the contact angle: his 2.23 is
+given load is iterated. Equivalent to Smith (1994), 2.1-2.23, who iterates the contact angle: his eq. 2.23 is
 u = A sin(alpha - alpha_0) / cos(alpha).
 """
 
@@ -473,5 +473,5 @@ def conformity_from_pair_rigidity(bearings: CatalogueBearings, preload: Array, r
         slope = np.where(moved, np.minimum((fresh - value) / np.where(moved, new - old, 1.0), -0.02), slope)
         old, value = new, fresh
     if float(np.abs(value).max()) > 1e-6:
-        raise ValueError("no conformity between {:g} and {:g} gives the bearing pair this stiffness".format(*CONFORMITIES))
+        raise ValueError("no conformity between {:g} and {:g} gives a pair of bearings its stiffness".format(*CONFORMITIES))
     return np.asarray(0.5 + np.exp(old))

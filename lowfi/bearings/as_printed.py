@@ -53,7 +53,8 @@ def hertz_parameter_by_smith_polynomial(curvature_difference: float, quantity: s
 def curvature_difference(curvatures: Sequence[float]) -> float:
     """Return the curvature difference F of a contact (Smith 1994, eq. 2.16) from its four principal curvatures.
 
-    F = |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four; the bars are missing in print.
+    F = |(rho_11 - rho_12) + (rho_21 - rho_22)| over the sum of all four; the bars of the absolute value are missing in
+    print.
     """
     a, b, c, d = curvatures
     return abs((a - b) + (c - d)) / (a + b + c + d)

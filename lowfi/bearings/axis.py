@@ -82,12 +82,13 @@ def _series_stiffness(*stiffness: float | Array) -> Array:
 def stiffnesses_from_nut_to_frame(axis: ScrewShaftSprings, position: Array | float) -> tuple[Array, Array]:
     """Return the axial stiffnesses from the nut to the frame [N/m], through the left and through the right support.
 
-    They are k_l and k_r in eq. (1) of this module.
+    They are k_l = 1/(1/k_1 + x/(E A)) and k_r = 1/(1/k_2 + (L - x)/(E A)), with the stiffnesses k_1 and k_2 of the supports
+    and the shaft's length L, area A and modulus E.
 
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     position
         Distance x of the nut from the left support [m].
 
@@ -108,12 +109,13 @@ def stiffnesses_from_nut_to_frame(axis: ScrewShaftSprings, position: Array | flo
 def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float) -> Array:
     """Return the axial stiffness of shaft and supports at the nut, k_l + k_r [N/m].
 
+    k_l and k_r are the stiffnesses from the nut to the frame through the left and through the right support.
     With rigid supports it is EA L/(x (L - x)) (Smith 1994, eq. 4.7), with one free end EA/x (eq. 4.8).
 
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     position
         Distance x of the nut from the left support [m].
 
@@ -133,14 +135,14 @@ def shaft_and_support_stiffness(axis: ScrewShaftSprings, position: Array | float
 
 
 def carriage_to_frame_stiffness(axis: ScrewShaftSprings, position: Array | float, nut_stiffness: float) -> Array:
-    """Return the axial stiffness between carriage and frame through nut, shaft and supports, k in eq. (1) of this module.
+    """Return the axial stiffness between carriage and frame through nut, shaft and supports [N/m].
 
-    The unit is N/m.
+    It is 1/(1/k_nut + 1/(k_l + k_r)): the nut in series with both ends of the shaft (`stiffnesses_from_nut_to_frame`).
 
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     position
         Distance x of the nut from the left support [m].
     nut_stiffness
@@ -159,12 +161,12 @@ def support_loads(axis: ScrewShaftSprings, position: float, force: float, tensio
     """Return the axial forces of the shaft on the left and the right support [N], positive towards the other support.
 
     A force to the right on the nut adds its part k_l/(k_l + k_r) to the pull on the left support, and the rest reduces the
-    pull on the right support: left - right = force.
+    pull on the right support: left - right = force. k_l and k_r: `stiffnesses_from_nut_to_frame`.
 
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     position
         Distance x of the nut from the left support [m].
     force
@@ -186,13 +188,13 @@ def shaft_tension(axis: ScrewShaftSprings, stretch: float, expansion: float = 0.
     """Return the tension of the shaft after a stretch of its ends and a uniform warming [N]; negative is compression.
 
     It is F = E A (eps - alpha dT) with the strain eps by the stretch and the warming dT, because the elastic strain is the
-    total strain less the thermal strain. Elastic supports take a part of the stretch. Both supports carry the whole
-    tension.
+    total strain less the thermal strain. Elastic supports take a part of the stretch. Each support carries the
+    whole tension.
 
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     stretch
         Increase of the distance of the supports [m].
     expansion
@@ -219,7 +221,7 @@ def warming_that_removes_tension(axis: ScrewShaftSprings, stretch: float, expans
     Parameters
     ----------
     axis
-        The axis.
+        Screw shaft and its supports.
     stretch
         Increase of the distance of the supports [m].
     expansion
@@ -277,9 +279,9 @@ def shaft_inertia(density: float, diameter: float, length: float, bore: float = 
 def screw_inertia(shaft: Assembly, density: float) -> float:
     """Return the moment of inertia of a whole screw shaft about its axis [kg m^2], without bearing rings and nuts.
 
-    Plain segments follow Smith's 4.14. The threaded length is taken for a cylinder of the same volume as the thread of the
-    shaft's first nut (eq. C.8 of Lin's thesis). Smith takes the root diameter instead, which gives less by the fourth power
-    of the diameters' ratio.
+    The inertia of plain segments follows Smith (1994), 4.14. The threaded length is taken for a cylinder of the same volume
+    as the thread of the shaft's first nut (eq. C.8 of Lin's thesis). Smith takes the root diameter instead, which gives
+    less by the fourth power of the diameters' ratio.
 
     Parameters
     ----------
@@ -419,10 +421,10 @@ class BearingRows:
         """Check that the fields have the same length and directions are +1 or -1; raise ValueError otherwise."""
         if not self.row_laws or not len(self.row_laws) == len(self.directions) == len(self.preload_deflections):
             counts = (
-                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} offsets"
+                f"{len(self.row_laws)} rows, {len(self.directions)} directions and {len(self.preload_deflections)} gaps"
             )
             raise ValueError(
-                f"bearing rows: got {counts}; allowed: a direction and an offset for each row, at least one row"
+                f"bearing rows: got {counts}; allowed: one direction and one closed gap for each row, at least one row"
             )
         if any(s not in (1, -1) for s in self.directions):
             raise ValueError(f"directions of bearing rows: got {list(self.directions)}; allowed: +1 and -1")
@@ -448,8 +450,8 @@ class BearingRowsState:
 def _law_values_of_rows(bearings: BearingRows, displacement: float, law: Callable[[BearingRowLaw, float], float]) -> Array:
     """Return the load [N] or the stiffness [N/m] of each bearing row at a common axial displacement of the inner rings [m].
 
-    ``law``: method of `Row` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with the same
-    deflection are evaluated once.
+    ``law``: method of `BearingRowLaw` that gives the load or the stiffness of a row at its deflection [m]. Equal rows with
+    the same deflection are evaluated once.
     """
     known, values = dict[tuple[int, float], float](), []
     for row, s, g in zip(bearings.row_laws, bearings.directions, bearings.preload_deflections, strict=True):
@@ -477,8 +479,8 @@ def state_of_bearing_rows(bearings: BearingRows, displacement: float) -> Bearing
 def solve_bearing_row_equilibrium(bearings: BearingRows, force: float = 0.0) -> BearingRowsState:
     """Solve for the axial displacement at which the bearings on a shaft balance an external thrust on their inner rings.
 
-    It solves eq. (2) of this module. Rows that lose contact carry no load. The displacement is solved for without
-    linearisation, to round-off.
+    In equilibrium the thrusts of the rows, each with the sign of its direction, add up to the external thrust. Rows that
+    lose contact carry no load. The displacement is solved for without linearisation, to round-off.
 
     Parameters
     ----------

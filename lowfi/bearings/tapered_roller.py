@@ -473,9 +473,9 @@ def rib_contact_ellipse(row: RollerRow, load: Array | float) -> tuple[Array, Arr
 def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
     """Return the mean distance of the pressure on the rib from the roller's contact line with the cone, int p r dA/F [m].
 
-    r is the distance from a point on the minor axis at the height h from the ellipse's centre. With s the relative radius
-    in the ellipse and u = sqrt(1 - s^2), the integral has the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to
-    1e-4.
+    p is the pressure and F its integral over the contact area; r is the distance from a point on the minor axis at the
+    height h from the ellipse's centre. With s the relative radius in the ellipse and u = sqrt(1 - s^2), the integral has
+    the weight 3 u^2/(2 pi); Gauss and trapezoid rules give it to 1e-4.
 
     Parameters
     ----------

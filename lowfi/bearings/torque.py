@@ -350,7 +350,7 @@ UNEVEN = 1.1
 
 @result_record
 class RollerBearingTorque:
-    """Friction torque of a row of tapered rollers about its axis [N m], from losses in its contacts and by Timken."""
+    """Friction torque of a row of tapered rollers about its axis [N m], from contact losses and by Timken's formula."""
 
     #: Torque of the lubricant film between rollers and races; None without lubricant or speed.
     film: float | None = quantity_field(

@@ -58,7 +58,7 @@ from rollbench.meshes.parts import Scene
 from rollbench.meshes.section import BeamSection
 from rollbench.meshes.solid import dimensions_of_3d_parts
 
-#: Length by which the loaded zone of a smooth body extends beyond either face of the nut, over the width of a load patch;
+#: Length by which the loaded zone of a smooth body extends beyond either face of the nut, in widths of a load patch;
 #: patches near a face are then complete.
 BESIDE = 2.5
 
@@ -178,8 +178,8 @@ def contact_motions_by_section_wrench(
     """Return the local motions ``(2 c, 6)`` of c contacts by a unit wrench on the cross-section at each contact.
 
     The motions of the smooth body are subtracted. The wrench consists of three forces and three moments. At a groove the
-    body is thinner than on average and therefore strains more (`GrooveAndFaceCompliance.strains`). Arguments, and the c
-    contacts with two axes each, are those of `smooth_body_compliance_beyond_beam`.
+    body is thinner than on average and therefore strains more (`GrooveAndFaceCompliance.section_strain_motions`).
+    Arguments, and the c contacts with two axes each, are those of `smooth_body_compliance_beyond_beam`.
     """
     found = groove_and_face_compliance_of_body(reduce_to_compliance_geometry(scene), screw, backend)
     points = convert_contacts_to_cylindrical(*contact_points_and_axes(scene, layout, screw, flanks))
@@ -250,7 +250,7 @@ def groove_and_face_compliance(
     """Return the compliance ``(2 c, 2 c)`` [m/N] that grooves and end faces add between c contacts of screw or nut.
 
     Only contacts on the flanks of the same turn of the groove, or also of the next turn, are coupled
-    (`GrooveAndFaceCompliance.turns`). Arguments are those of `smooth_body_compliance_beyond_beam`.
+    (`GrooveAndFaceCompliance.coupled_turns`). Arguments are those of `smooth_body_compliance_beyond_beam`.
     """
     geometry = reduce_to_compliance_geometry(scene)
     flank, held, found = (

@@ -35,7 +35,8 @@ TERMS = 400
 def sphere_series_coefficients(n: Array, poisson: float) -> Array:
     """Return the coefficients c_n of Lur'e's series for the motion of an elastic sphere's surface; 0 for n = 1.
 
-    The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t).
+    The pressure p_n P_n(cos t) without shear moves the surface inward by c_n (R/2 G) p_n P_n(cos t), with
+    the sphere's radius R and shear modulus G.
 
     ``n``: orders of the Legendre polynomials; ``poisson``: Poisson's ratio nu.
     """
@@ -58,10 +59,10 @@ def sphere_series_expansion(poisson: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def sphere_series_remainder(cosine: float, poisson: float) -> float:
-    """Return Lur'e's series for a sphere at an angle from the load, less the closed sums of its terms A/n and B/n^2.
+    """Return Lur'e's series for a sphere at an angle from the load, less the closed sums of two of its terms.
 
-    These sums are singular at the load. ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's
-    ratio. The result is dimensionless.
+    The terms are A/n and B/n^2 with the constants of `sphere_series_expansion`; their sums are singular at the load.
+    ``cosine``: cosine of the angle between load and point; ``poisson``: Poisson's ratio. The result is dimensionless.
     """
     from numpy.polynomial.legendre import legval
 

@@ -74,7 +74,7 @@ class BodyCompliance:
     G: Array
     #: Linear compliance of the flank at each contact under the load on it, in addition to Hertz's law [m/N].
     contact_compliance: float
-    #: Derivative of e with respect to the logarithm of the contact's size [m/N].
+    #: Derivative of ``contact_compliance`` with respect to the logarithm of the contact's size [m/N].
     contact_compliance_slope: float
     #: Sentences on dimensions of the body that the scene does not state and that were assumed.
     assumed_dimensions: tuple[str, ...]
@@ -86,7 +86,7 @@ class BallCompliance:
 
     #: Linear compliance of each contact under the load on it, in addition to Hertz's law [m/N].
     contact_compliance: float
-    #: Derivative of e with respect to the logarithm of the contact's size [m/N].
+    #: Derivative of ``contact_compliance`` with respect to the logarithm of the contact's size [m/N].
     contact_compliance_slope: float
     #: Square root of the compliance that couples both pairs of opposite contacts, SL-NR and SR-NL [(m/N)^(1/2)].
     pair_coupling_root: float
@@ -174,8 +174,8 @@ def compliance_between_contacts(
 ) -> Array:
     """Return the compliance between all contacts of the nut, or of the screw in addition to its beam.
 
-    The effect of end faces is included; the true flank at each contact (`BodyCompliance.e`) is not. The array is cached for
-    all load cases of the same parts and balls, so it must not be modified.
+    The effect of end faces is included; the true flank at each contact (`BodyCompliance.contact_compliance`) is not. The
+    array is cached for all load cases of the same parts and balls, so it must not be modified.
 
     ``screw``: whether the body is the screw (True) or the nut; ``layout``: positions of the balls; ``backend``: model of
     the bodies' compliance; ``flanks``: numbers of the flanks with contacts, 0 left, 1 right.
@@ -285,9 +285,9 @@ def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> En
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
     """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
 
-    The order is that of `EndWrenchMotions.contacts`. ``layout``: positions of the N balls; ``section_z``: axial position of
-    the section [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The array is cached
-    as in `screw_response_to_end_wrench`.
+    The order is that of `EndWrenchMotions.contact_motions`. ``layout``: positions of the N balls; ``section_z``: axial
+    position of the section [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The
+    array is cached as in `screw_response_to_end_wrench`.
     """
     parts, azimuths = compliance_geometry_with_balls(scene)
     if np.array_equal(layout.azimuth, azimuths):

@@ -117,7 +117,7 @@ class GrooveAndFaceCompliance:
         """Return the compliance ``(m, 2, 2, f, 2)`` [m/N] that an end face adds between m pairs of contacts.
 
         The axes after the first are flank that moves, its direction, loaded flank and direction of the load, as in the
-        field ``gain``.
+        field ``face_gain``.
 
         Parameters
         ----------
@@ -246,7 +246,7 @@ def append_high_harmonics(flank: HalfGroove, waves: Array) -> Array:
 
     ``waves`` ``(n, ...)``: motions of the flanks of the groove ``flank`` in n harmonics [m/N]. On a half space the mutual
     compliance of two Gaussian patches of standard deviation s in a wave of wavenumber k is proportional to exp(x) K_0(x)
-    exp(-2 x) with x = (k s)^2/2.
+    exp(-2 x) with x = (k s)^2/2 and the modified Bessel function K_0.
     """
     from scipy.special import k0e
 
@@ -406,7 +406,7 @@ def flank_patch_loads(
     Returns
     -------
     Array
-        Forces ``(f, kinds, cuts, nodes of the grid, 3)``.
+        Forces ``(f, d, e, nodes of the grid, 3)`` for f flanks, d directions of the load and e positions of the end face.
     """
     line = grid.shape[1] - 1 if flank.is_screw else 0
     normals = flank_normals(grid, line)
@@ -481,7 +481,7 @@ def patch_motions_for_end_faces(
     held_radii
         Range of radii in which the end face is fixed [m].
     fixing
-        Fixed surface, see `Tube.held`; ``"bore"`` and ``"outer"`` surfaces are fixed in addition to the clamped end.
+        Fixed surface, see `SmoothBody.held`; ``"bore"`` and ``"outer"`` surfaces are fixed in addition to the clamped end.
     loads
         Nodal forces, see `flank_patch_loads`.
     width
@@ -492,8 +492,8 @@ def patch_motions_for_end_faces(
     Returns
     -------
     Array
-        Motions ``(2, n, 2, kinds, f, kinds, cuts)`` [m/N]: face free or fixed, harmonic, flank that moves, its direction,
-        loaded flank, direction of the load, end face.
+        Motions ``(2, n, 2, d, f, d, e)`` [m/N]: face free or fixed, harmonic, flank that moves, its direction, loaded
+        flank, direction of the load, position of the end face.
     """
     from scipy.linalg import cholesky_banded
     from scipy.linalg.lapack import dtbtrs
@@ -539,9 +539,9 @@ def patch_motions_for_end_faces(
 def distinct_load_cases(loads: Array, face_lines: Sequence[int]) -> tuple[Array, list[list[int]]]:
     """Return the distinct load cases among those for several positions of the end face, so that each is solved only once.
 
-    ``loads`` ``(f, cuts, nodes of the grid, 3)``: nodal forces of f load patches for each end face; ``face_lines``: numbers
-    of the grid lines in z at which the end face may be. A patch that lies entirely below an end face has the same load as
-    for the end face furthest from the loaded groove.
+    ``loads`` ``(f, e, nodes of the grid, 3)``: nodal forces of f load patches for e positions of the end face;
+    ``face_lines``: numbers of the grid lines in z at which the end face may be. A patch that lies entirely below an end
+    face has the same load as for the end face furthest from the loaded groove.
 
     Returns
     -------

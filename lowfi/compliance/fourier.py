@@ -206,7 +206,7 @@ def circumference_integral_factor(harmonic: int) -> float:
 def solve_harmonic_displacements(bands: Array, harmonic: int, loads: Array) -> Array:
     """Return the displacements of a body's k free degrees of freedom [m] by loads of harmonic n, in the loads' shape.
 
-    ``bands``: stiffness parts from `Body.bands`; ``loads``: generalised forces (k, ...) [N].
+    ``bands``: stiffness parts from `BodyOfRevolution.stiffness_bands`; ``loads``: generalised forces (k, ...) [N].
 
     Raises
     ------
@@ -224,8 +224,8 @@ def condense_to_last_freedoms(
 ) -> tuple[Array, Array, Array]:
     """Condense a body's stiffness and loads of harmonic n statically to the last degrees of freedom.
 
-    ``bands``: stiffness parts from `Body.bands`; ``loads`` ``(k, c)``: c load cases on all k degrees of freedom;
-    ``remaining_count``: number of degrees of freedom that remain.
+    ``bands``: stiffness parts from `BodyOfRevolution.stiffness_bands`; ``loads`` ``(k, c)``: c load cases on all k degrees
+    of freedom; ``remaining_count``: number of degrees of freedom that remain.
 
     Returns
     -------
@@ -431,14 +431,14 @@ def grid_line_compliance(
     harmonics
         Numbers of the harmonics.
     held
-        Fixed degrees of freedom ``(3 nodes,)``.
+        Whether each degree of freedom is fixed ``(3 nodes,)``.
     line
         Number of the grid line in r.
     rows
         First, and last + 1, of the grid lines in z that are loaded and observed.
     springs
         Shift, tilt, axial and twist stiffness [N/m, N m] of springs on the low end's mean motions. With springs, harmonics
-        0 and 1 have two more rows and columns: the mean motions of the high end (`end_motions`).
+        0 and 1 have two more rows and columns: the mean motions of the high end (`mean_rigid_motion_matrix`).
 
     Returns
     -------
@@ -471,8 +471,8 @@ class CondensedStretch:
     end_stiffness: Array
     #: Equivalent forces on the end lines of k unit loads on the nodes between them ``(h, q, k)``.
     end_forces: Array
-    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)``, each after the index of its
-    #: first load.
+    #: Compliance of the loaded nodes with both end lines fixed: diagonal blocks ``(h, w, w)`` for w loads, each after the
+    #: index of its first load.
     inner_compliance: tuple[tuple[int, Array], ...] = ()
 
 

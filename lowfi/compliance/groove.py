@@ -69,7 +69,7 @@ def groove_layer(flank: HalfGroove, section: BeamSection) -> GrooveLayer:
     twist = 2.0 * section.GJ / (np.pi * shear) - (far**4 - root**4)
 
     def power(weight: Array, wanted: float) -> float:
-        """Return the exponent p for which the integral of ``weight`` times share^p over the layer is ``wanted``."""
+        """Return the exponent p at which ``weight`` (filled fraction)^p has the integral ``wanted`` over the layer."""
         exponent = brentq(lambda p: float(np.trapezoid(weight * share**p, r)) - wanted, 1e-3, LARGEST_POWER)
         return float(exponent)
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 LEAST = 0.5
 #: Numbers of the left and the right flank of a groove.
 BOTH = (0, 1)
-#: Fixed surface of the nut (see `lowfi.compliance.tube.Tube`) by the name in the scene's key.
+#: Fixed surface of the nut (`lowfi.compliance.tube.SmoothBody.held`) by the value of the scene's key.
 HELD = {
     "left face": "low",
     "right face": "high",
@@ -152,7 +152,7 @@ def half_groove_of_body(scene: Scene, screw: bool) -> HalfGroove:
 
 @lru_cache(maxsize=64)
 def fixed_surface(scene: Scene, screw: bool) -> str:
-    """Return the name of the surface at which the screw or the nut is fixed, as in `Tube.held`; "rigid" for a rigid body.
+    """Return the name of the surface at which screw or nut is fixed, as in `SmoothBody.held`; "rigid" for a rigid body.
 
     ``screw``: whether the body is the screw (True) or the nut.
     """

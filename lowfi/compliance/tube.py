@@ -212,7 +212,7 @@ PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 #: Number of pairs in ``PARTS`` that vary as the cosine.
 EVEN = 4
 
-#: Weight of a node in a load patch, below round-off, that counts as zero.
+#: Weight of a node in a load patch below which it counts as zero; less than round-off.
 UNREACHED = 1e-18
 
 #: Number of contacts whose loads are processed at once.
@@ -448,10 +448,10 @@ def shaft_motions_by_section_loads(
 ) -> SmoothBodyCompliance:
     """Return the motions of a shaft's nodes at the contacts' radius by unit loads on one of its cross-sections.
 
-    The motions are in the field ``ends`` of the result; its field ``line`` is empty. The shaft is fixed by the mean motions
-    of its low-z end. The loads act on the mean rigid motions (by least squares) of the material in a thin slice at the
-    axial position ``section_z`` [m]. ``loaded_range``: lower and upper end of the axial range that contains all contacts
-    [m].
+    The motions are in the field ``line_motions_by_end`` of the result; its field ``line_compliance`` is empty. The shaft is
+    fixed by the mean motions of its low-z end. The loads act on the mean rigid motions (by least squares) of the material
+    in a thin slice at the axial position ``section_z`` [m]. ``loaded_range``: lower and upper end of the axial range that
+    contains all contacts [m].
     """
     r_ends, line = radial_element_ends(tube)
     grid = tube_grid(r_ends, axial_element_ends(tube, loaded_range))

@@ -21,8 +21,8 @@ These are springs in series and parallel. The recursion never divides by a compl
 the stiffness s_1 = dF/du_1.
 
 No line search is needed. The Hessian is an M-matrix and f_j is convex (approaches are small against A). Hence from the
-second iterate on, all iterates satisfy H(u) >= F, with H(u) the left-hand side; they lie above the solution in every
-component, and each lies below the one before it. Newton's method decreases monotonically to the minimum.
+second iterate on, all iterates satisfy H(u) >= F, with H(u) the gradient of the energy's two sums; they lie above the
+solution in every component, and each lies below the one before it. Newton's method decreases monotonically to the minimum.
 
 Contact angle a, with the distance A of the groove centres when an error-free ball just touches, the ball's error e, and
 v = u cos(lead angle):
@@ -276,7 +276,7 @@ def calibrate_compliance(chain: BallScrewChain, ratio: float, load: float) -> Ba
         high *= 4.0
 
     def excess(scaled: float) -> float:
-        """Return `last_to_first_load_ratio` less the required ratio, for the compliance ``scaled`` times ``size``."""
+        """Return `last_to_first_load_ratio` less the required ratio, for ``scaled`` times the compliance ``size``."""
         return last_to_first_load_ratio(replace(chain, compliance=scaled * size), load) - ratio
 
     return replace(chain, compliance=float(brentq(excess, 0.0, high / size, xtol=1e-13)) * size)
@@ -453,8 +453,8 @@ def solve_ensemble(
     """
     if screw_count < 1 or chunk < 1 or half_range < 0.0:
         raise ValueError(
-            "the numbers of screws (members, chunk) must be positive; half_range of errors must not be negative, "
-            f"got members {screw_count}, chunk {chunk}, half_range {half_range} m"
+            "`screw_count` and `chunk`, numbers of screws, must be positive; `half_range` of errors must not be negative, "
+            f"got screw_count {screw_count}, chunk {chunk}, half_range {half_range} m"
         )
     f = np.asarray(loads, dtype=float)
     kept, worst, failed = np.empty((screw_count, f.size, len(QUANTITIES))), 0.0, 0

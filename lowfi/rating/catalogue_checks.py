@@ -52,7 +52,7 @@ FACTORS = {
 #: Density of steel [kg/m3].
 DENSITY = 7850.0
 
-#: Parts of buckling load and critical speed that manufacturers permit.
+#: Fractions of buckling load and critical speed that manufacturers permit.
 SHARE_OF_LOAD, SHARE_OF_SPEED = 0.5, 0.8
 
 
@@ -255,7 +255,7 @@ OVERALL = 0.02
 def efficiency_by_overall_friction(track: Track, coefficient: float) -> float:
     """Return the efficiency of a ball screw that moves against its load, from an overall coefficient of friction.
 
-    It follows from eq. (3) of this module.
+    It is tan(phi)/tan(phi + arctan(f)), phi being the lead angle of the pitch circle.
 
     Parameters
     ----------

@@ -199,7 +199,7 @@ def contact_of_highest_pressure(
 
     Returns
     -------
-    Contact | None
+    BallContact | None
         The contact; None without load.
 
     Raises
@@ -275,7 +275,7 @@ def most_truncated_ellipse(
 
     Returns
     -------
-    Truncation | None
+    EllipseTruncation | None
         The ellipse with the smallest margin; None without load.
 
     Raises

@@ -110,7 +110,7 @@ class ModifiedLife:
 
 
 def reliability_factor(percent: float) -> float:
-    """Return the life modification factor a_1 for a reliability by eq. (1) of this module.
+    """Return the life modification factor a_1 for a reliability, 0.95 (ln(1/S)/ln(1/0.9))^(2/3) + 0.05.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def modified_life(scene: Scene, life: BasicRatingLife | None) -> ModifiedLife | 
     scene
         Scene whose table [operation] may state reliability, viscosity ratio and contamination.
     life
-        Basic rating life by the contact loads; None if it is not known.
+        Basic rating life under the contact loads; None if it is not known.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 """Fatigue life under computed contact loads: ball bearings by ISO 281 and ISO/TS 16281, ball screws by ISO 3408-5.
 
-Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway. It has a capacity Q_c [N], the contact load
-that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, a mean of the forces of its
-balls. The mean is of order 3 for a raceway that rotates relative to the load (screw, inner ring), and of order 10/3 for a
-stationary one (nut, outer ring):
+All three standards rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway. It has a capacity Q_c [N],
+the contact load that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact load Q_e, a mean of the
+forces of its balls. The mean is of order 3 for a raceway that rotates relative to the load (screw, inner ring), and of
+order 10/3 for a stationary one (nut, outer ring):
 
     L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)
 
@@ -371,7 +371,7 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
 
     Returns
     -------
-    Life | None
+    BasicRatingLife | None
         The life; None without load.
 
     Raises
@@ -410,7 +410,9 @@ def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
 
 
 def damage_equivalent_contact_loads(loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
-    """Return the contact loads that cause the same fatigue damage as several load cases together, by eq. (4).
+    """Return the contact loads that cause the same fatigue damage as several load cases together.
+
+    Each load is the mean of order 3 of the cases, weighted by the revolutions, F = (sum_j n_j F_j^3)^(1/3).
 
     Parameters
     ----------

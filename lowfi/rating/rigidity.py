@@ -77,7 +77,7 @@ class AxialRigidities:
     @QuantityDescription(
         "rigidities_N_per_um.makers_practice",
         "rigidity that makers advise to use (THK): 0.8 times `with_bodies`; null for bearings",
-        error="see the report's outside values",
+        error="the factor 0.8 is a rule of practice",
         heading="rigidity by formula x 0.8",
         note="as makers advise",
     )
@@ -216,7 +216,7 @@ def three_axial_rigidities(scene: Scene, force: float, displacement: float | Non
 
     Returns
     -------
-    Rigidities | None
+    AxialRigidities | None
         The rigidities; None without axial load, or for a contact angle of zero.
 
     Raises

@@ -157,7 +157,7 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLi
 
     Returns
     -------
-    Life | None
+    BasicRatingLife | None
         The life; None without load.
     """
     top = float(line_loads.max(initial=0.0))
@@ -178,6 +178,8 @@ def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLi
 
 def damage_equivalent_line_loads(line_loads: Sequence[Array], revolution_shares: Sequence[float]) -> Array:
     """Return the line loads on rollers that cause the same fatigue damage as several load cases together.
+
+    Each is the mean of order 4 of the cases, weighted by the revolutions.
 
     Parameters
     ----------

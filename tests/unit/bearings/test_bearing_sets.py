@@ -128,7 +128,7 @@ def test_a_set_facing_one_way_rests_loose():
 
 REFUSED = [
     (lambda: BearingRows((), (), ()), "got 0 rows"),
-    (lambda: BearingRows((ROW,), (1,), ()), "0 offsets; allowed: a direction and an offset for each row"),
+    (lambda: BearingRows((ROW,), (1,), ()), "0 gaps; allowed: one direction and one closed gap for each row"),
     (lambda: BearingRows((ROW,), (2,), (0.0,)), r"got \[2\]; allowed: \+1 and -1"),
     (lambda: solve_bearing_row_equilibrium(BearingRows((ROW,), (1,), (0.0,)), -1.0), "thrust in that direction"),
     (lambda: equal_rows_with_preload(ROW, (1, 1), 1e3), "both directions"),
