@@ -1,4 +1,4 @@
-"""Computation of 3D reference runs: meshing and condensing the parts, load cases, enlarging too small contact patches."""
+"""Computation of 3D reference runs: meshing and condensing the parts, solving load cases, enlarging contact patches."""
 
 from __future__ import annotations
 
@@ -131,11 +131,11 @@ def compute_runs_and_bodies(task: ReferenceTask, step: Step = lambda _: None) ->
 def _mesh_and_condense_each_set(
     task: ReferenceTask, scenes: Sequence[Solvable], ups: Sequence[MeshSpecification], step: Step
 ) -> list[CondensedGeometry]:
-    """Mesh and condense the parts of each nut or bearing row on the shaft, and return the condensed parts of each.
+    """Mesh and condense the parts of each nut or bearing row on the shaft, and return them row by row.
 
-    ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of what is meshed; equal rows share the
-    same condensed parts; ``step``: function that is called with lines of progress. InputError if a mesh cannot be built or
-    memory is too small.
+    ``scenes``: load cases of the task; ``ups``: bodies, flanks and mesh settings of each nut or row to be meshed; equal
+    rows share the same condensed parts; ``step``: function that is called with lines of progress. InputError if a mesh
+    cannot be built or memory is too small.
     """
     from rollbench.hifi.setup import mesh_and_condense_geometry
     from rollbench.meshes.cache import Cache
@@ -167,7 +167,7 @@ def _solve_load_case(scene: Solvable, setups: Sequence[CondensedGeometry], step:
     """Solve one load case by the 3D reference.
 
     ``setups``: meshed and condensed parts of each nut or bearing row; ``step``: function that is called with lines of
-    progress. Refusal if the 3D reference does not cover the scene.
+    progress. SceneNotCoveredError if the 3D reference does not cover the scene.
     """
     from rollbench.hifi.reference import solve_reference
     from rollbench.hifi.several_sets import solve_nuts_on_one_shaft
@@ -194,7 +194,7 @@ def _create_run_record(
     """Create the record that is stored for one load case which the 3D reference has solved.
 
     ``number``: index of the load case in the task; ``scene``: its scene, changed by the variant of the task; ``setups``:
-    condensed parts of each nut or bearing row; ``ups``: their bodies, flanks and mesh settings.
+    condensed parts of each nut or bearing row; ``ups``: bodies, flanks and mesh settings of each.
     """
     from rollbench.hifi.reference import INGREDIENTS, solve_reference
 
@@ -319,6 +319,6 @@ def settings_with_larger_patches(
 def are_bodies_stored(task: ReferenceTask) -> bool:
     """Return whether the condensed screw and nut of a task are stored together with its results.
 
-    They are for scenes with one nut or bearing row, without a variant, on a regular mesh level.
+    They are stored for scenes with one nut or bearing row, without a variant, on a regular mesh level.
     """
     return bool(task.single_row_scenes) and not task.variant and task.level in LEVELS

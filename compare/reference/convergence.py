@@ -101,9 +101,9 @@ def grid_convergence(values: ArrayLike, sizes: ArrayLike) -> Convergence:
 
     The method deviates from that of Eca and Hoekstra as follows. The uncertainty U is at least that of first order with
     F = 1.25, if the values do not contradict first order (F test), because a few noisy values often show too high an
-    order. With three levels, for which they give no estimate, the fit of an order has no degree of freedom; sigma is
-    then the smallest standard deviation of the fits with fixed order. With two levels, U is three times their
-    difference.
+    order. With three levels, for which Eca and Hoekstra give no estimate, the fit of an order has no degree of freedom;
+    sigma is then the smallest standard deviation of the fits with fixed order. With two levels, U is three times the
+    difference of both values.
 
     Parameters
     ----------
@@ -154,10 +154,10 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     Limit phi_0 and coefficient alpha differ between the quantities. The common order is fitted, with the interval of
     orders that the data allow (F test, 95 %). With so many degrees of freedom sigma is well known, and the formula of
     Eca and Hoekstra is changed: U is the largest value of 1.25 |delta| + sigma + |r_1| over the allowed orders in
-    `ORDERS`. If all allowed orders are above this range, order 2 is used, whose error is larger than that of the fit.
-    If all are below, the fits with fixed orders and the factor of 3 are used, as in their method. sigma of a quantity
-    is its own standard deviation or the common one, whichever is larger, because one or two residuals are often small
-    by chance.
+    `ORDERS`. If all allowed orders are above this range, order 2 is used, with which delta is larger than with the fitted
+    order. If all are below, the fits with fixed orders and the factor of 3 are used, as in their method. sigma of a
+    quantity is its own standard deviation or the common one, whichever is larger, because one or two residuals are often
+    small by chance.
 
     With two levels, U is three times the difference, or three times the RMS difference of all quantities if that is larger.
     Quantities that are equal on all levels have no uncertainty.
@@ -172,7 +172,7 @@ def pooled_grid_uncertainty(values: ArrayLike, sizes: ArrayLike) -> Array:
     Returns
     -------
     Array
-        Uncertainties of the finest values, (m,); nan with one level.
+        Uncertainties of the values on the finest level, (m,); nan with one level.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
     """Check values and cell sizes of several mesh levels, and return both as arrays.
 
-    They are the values of m quantities (levels, m), and the cell sizes relative to the finest (levels,).
+    Returns the values of m quantities (levels, m), then the cell sizes relative to the finest (levels,).
 
     ``values``: (levels, m), or (levels,) for one quantity; ``sizes``: cell sizes, coarse to fine. ValueError if a value is
     not finite, the number of values differs from that of the sizes, or the sizes do not decrease.
@@ -262,9 +262,10 @@ def _uncertainty_of_finest(
 ) -> Array:
     """Return the uncertainty U of each quantity's value on the finest level, (m,), from a fit over all levels.
 
-    ``y``: values (levels, m), coarse to fine; ``fit``: fit to these values; ``sigma``: standard deviation of the fit, a
-    number or (m,); ``factor``: safety factor F; ``mean_change``: Delta, the mean change between levels; infinite: the first
-    of the two formulas in the docstring of the module is used.
+    U = F |delta| + sigma + |r_1| if sigma < Delta, else 3 (sigma / Delta) (|delta| + sigma + |r_1|); delta: value less its
+    fitted limit; r_1: residual; both on the finest level. ``y``: values (levels, m), coarse to fine; ``fit``: fit to these
+    values; ``sigma``: standard deviation of the fit, a number or (m,); ``factor``: safety factor F; ``mean_change``: Delta,
+    the mean change between levels; infinite: always the first formula.
     """
     error, off = np.abs(y[-1] - fit.residuals[-1] - fit.limits), np.abs(fit.residuals[-1])
     if np.max(sigma) < mean_change:
@@ -276,7 +277,7 @@ def _uncertainty_of_finest(
 class ConvergenceFit:
     """Least-squares fit of one or several quantities as functions of the cell size h."""
 
-    #: Form of the fitted function, as text.
+    #: Description of the fitted function, such as "order 1.50".
     fitted_function: str
     #: Order p; None for a fit with fixed orders.
     order: float | None
@@ -286,9 +287,9 @@ class ConvergenceFit:
     limits: Array
     #: Residuals, (levels, m).
     residuals: Array
-    #: Standard deviation of the residuals of all quantities; zero without degree of freedom.
+    #: Standard deviation of the residuals of all quantities; zero if the fit leaves no degree of freedom.
     standard_deviation: float
-    #: Standard deviation of the residuals of each quantity, (m,); zero without degree of freedom.
+    #: Standard deviation of the residuals of each quantity, (m,); zero if the fit leaves no degree of freedom.
     standard_deviations: Array
 
 
@@ -324,7 +325,7 @@ def fit_fixed_orders(y: Array, h: Array, *, with_mixed_order: bool) -> list[Conv
     """Fit m quantities by functions of first and of second order in the cell size h, with equal weights and weights 1 / h.
 
     ``y``: values (levels, m); ``h``: relative cell sizes (levels,); ``with_mixed_order``: whether, with four levels or
-    more, fits by the sum of h and h^2 are added.
+    more, fits by both h and h^2 at once are added.
     """
     forms: dict[str, tuple[float, ...]] = {"first order": (1.0,), "second order": (2.0,)}
     if with_mixed_order and len(h) > 3:

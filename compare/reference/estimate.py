@@ -14,7 +14,7 @@ of a level are therefore treated as scatter with the variance
 
 where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
 fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
-is the sum of those of two levels. The part sockets is that of a separate run with more finely meshed sockets. The part
+is the sum of those of two levels. The part sockets is measured by a separate run with more finely meshed sockets. The part
 common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined from the
 mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
 
@@ -24,23 +24,24 @@ Errors of bodies and sockets are displacements. A contact converts them to loads
 (Hertz), and these two parts are distributed over the contacts accordingly. Errors that all meshes share are not included
 (`compare.models.uncertainty`).
 
-Near a free face of the nut, a level neglects a part of a contact's compliance. The local compliance of a contact is that of
-a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the thin lip adds compliance,
-which the cells of the level's body underestimate. Nuts with six balls and increasingly fine bodies give the difference
-(``near_face.json``, written by ``tests/near_face.py``). The missing compliance times E r is the same for balls and leads of
-all sizes within a quarter. It depends on the distance d from the face over the ball radius r: on level 1 it is 0.4 at
-d = 1.1 r and 0.03 at 2.5 r.
+Near a free face of the nut, a mesh level neglects a part of a contact's compliance. The local compliance of a contact is
+that of a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the thin lip adds
+compliance, which the cells of the level's body underestimate. Nuts with six balls and increasingly fine bodies give the
+difference (``near_face.json``, written by ``tests/near_face.py``). The missing compliance times Young's modulus and ball
+radius r is the same for balls and leads of all sizes within a quarter. It depends on the distance d from the face over r:
+on level 1 it is 0.4 at d = 1.1 r and 0.03 at 2.5 r.
 
 The missing compliance affects the flank that is pressed towards the face, and, through its ball, the opposite flank of the
 screw. At a given approach of the bodies, a missing compliance dC increases their load F by
 
     dF = F dC / (2/3 (delta_s + delta_n) / F + C_lip),
 
-where delta_s and delta_n are Hertz's approaches, whose tangent is 2/3 delta / F. There is no such error at fixed faces and
-at balls far from the faces. If only one flank of the screw carries load, equilibrium fixes the sum of the loads, and the
-excess of these contacts is missing on the others of their flank, in proportion to their stiffness
-(`load_error_near_faces`). The changes between the levels of a scene contain this second effect; for a bearing, all of whose
-contacts are near both faces, they contain the first one as well.
+where delta_s and delta_n are Hertz's approaches at screw and nut, of which 2/3 delta / F is the tangent compliance, and
+C_lip is the compliance of the lip. There is no such error at fixed faces and at balls far from the faces. If only one flank
+of the screw carries load, equilibrium fixes the sum of the loads, and the excess of these contacts is missing on the others
+of their flank, in proportion to their stiffness (`load_error_near_faces`). The changes between the levels of a scene
+contain this effect on the other contacts; for a bearing, all of whose contacts are near both faces, they contain the excess
+near the faces as well.
 """
 
 from __future__ import annotations
@@ -224,7 +225,7 @@ def _cell_sizes(level: int) -> Array:
 
 
 def _variance_factors(level: int, other: int) -> Array:
-    """Return the factors of the error variances in the variance of the change of loads between two mesh levels, (2,).
+    """Return the factors (2,) with which two error variances enter the variance of the load change between two mesh levels.
 
     ``level``, ``other``: the two levels. The first factor belongs to the error due to the cells at the contact, the second
     to the error due to the cells of the bodies.
@@ -267,7 +268,7 @@ def derive_uncertainty_of_other_scenes(
 
     Returns
     -------
-    Experience
+    UncertaintyFromOtherScenes
         Parts of the mesh uncertainty for other scenes.
 
     Raises
@@ -299,7 +300,7 @@ def derive_uncertainty_of_other_scenes(
 
 
 def _smallest_covering_bound(errors: Sequence[Array], least: float) -> float:
-    """Return the smallest bound that covers the share `SHARE` of all errors and ``least`` of the errors of each scene.
+    """Return the smallest bound that covers the share `SHARE` of all errors and, in each scene, the share ``least``.
 
     ``errors``: absolute errors of the contacts of each scene.
     """
@@ -340,7 +341,7 @@ TOWARDS = (2, 3)
 
 @dataclass(frozen=True)
 class LipCompliance:
-    """Extra compliance of a contact near a free face of the nut, by the thin lip between both, against their distance."""
+    """Compliance that the thin lip between a contact and a free face of the nut adds, against the distance to the face."""
 
     #: Distances from the face [ball radii], increasing.
     relative_distances: Array
@@ -508,7 +509,7 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
     name
         Name of the scene.
     scene
-        Scene with one nut or bearing row. Of several on one shaft, the nut or row as a separate scene.
+        Scene with one nut or bearing row. If a shaft has several, the nut or row of this reference as a separate scene.
     runs
         Runs, coarse to fine.
     contacts

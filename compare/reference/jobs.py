@@ -2,8 +2,8 @@
 
 Expected time and memory of each stage are fitted to the stored runs of 17 screws and bearings (6 to 264 contacts, four mesh
 levels), within a factor of two. Each run used one process, with another run at the same time, on two cores of 2026. The
-effect of several processes for one run is that of Lin's case 1 on level 3, and of screws with 228 and 264 contacts on level
-1. Level 5 was not measured; it is assumed to take twice as much as level 4.
+effect of several processes for one run was measured on Lin's case 1 on level 3, and on screws with 228 and 264 contacts on
+level 1. Level 5 was not measured; it is assumed to take twice as much as level 4.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", 
 
 PATCHES_ALONE = 0.68
 
-#: Order of the stages, by their names in `hifi.setup.prepare`.
+#: Order of the stages, by their names in `hifi.setup.mesh_and_condense_geometry`.
 STAGES = ("meshes", "patches", "shaft section", "screw", "nut", "ball", "contact loads")
 
 
@@ -83,7 +83,7 @@ def expected_cost(task: ReferenceTask) -> ExpectedCost:
 
 
 def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
-    """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that it is free.
+    """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that as much is free.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def plan_tasks(
 
     Returns
     -------
-    list of Task
+    list of ReferenceTask
         The tasks.
     """
     tasks = []

@@ -27,7 +27,7 @@ def _settings_from_toml(keys: Mapping[str, Any]) -> dict[str, Any]:
     return {name: tuple(value) if isinstance(value, list) else value for name, value in keys.items()}
 
 
-#: Mesh settings (`hifi.meshing.part_meshes.Settings`) of each level, coarse to fine; lengths in m. b_over_h counts
+#: Mesh settings (`hifi.meshing.settings.Settings`) of each level, coarse to fine; lengths in m. b_over_h counts
 #: second-order cells, so that there are twice as many nodes. From one level to the next, the cells at the contact are
 #: refined by 4/3. The following are refined by 1.15 to 1.2: cells and sockets of the submodels for a contact's local
 #: compliance, coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut ends.
@@ -75,12 +75,12 @@ def mesh_settings_of_level(level: int, ball_radius: float, refined_settings: Seq
 
 
 Change = Callable[[Scene], Scene]
-#: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not print; "numerical": a choice of
+#: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not state; "numerical": a choice of
 #: method or mesh; "scene": another boundary condition, which the scene must state.
 Kind = Literal["modelling", "numerical", "scene"]
 #: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of both
-#: compliances (`hifi.shaft.section.Homogenised.coupling`, tests/unit/hifi/test_helical_section.py) [1]. The beams that
-#: continue the 3D part of the shaft neglect this coupling.
+#: compliances (`hifi.shaft.section.EquivalentBeam.axial_torsional_coupling`, tests/unit/hifi/test_helical_section.py) [1].
+#: The beams that continue the 3D part of the shaft neglect this coupling.
 COUPLING = 0.02
 
 
@@ -178,9 +178,9 @@ def with_supports_turned_by_coupling(scene: Scene) -> Scene:
     """Return a copy of the scene with supports rotated by the twist due to the shaft's axial-torsional coupling.
 
     The 3D reference neglects this coupling outside the 3D part of the shaft. Between a support and the nut at the distance
-    L, the shaft would twist by |c| F L / sqrt(EA GJ) under the sum F of the axial loads. EA and GJ are those of a plain
-    shaft with the pitch radius less the groove radius, which twists more than the grooved shaft, or with the radius of the
-    groove's bottom if that core is thinner than the bore.
+    L, the shaft would twist by |c| F L / sqrt(EA GJ), with the coupling c (`COUPLING`) and the sum F of the axial loads.
+    The stiffnesses EA and GJ are those of a plain shaft with the pitch radius less the groove radius, which twists more
+    than the grooved shaft, or with the radius of the groove's bottom if that core is thinner than the bore.
     """
     e = scene.screw.material
     core = scene.track.pitch_radius - scene.screw.groove_radius

@@ -126,9 +126,9 @@ def _run_job(number: int, version: str, function: Callable[..., Any], arguments:
     """Run one job in a worker process, and return its number, whether it succeeded, and its pickled result or exception.
 
     ``number``: number of the job; ``function``, ``arguments``: the job. A process runs one job at a time, because gmsh has
-    one state per process. A worker of another version than ``version``,
-    which may have joined the cluster at any time, returns an InputError. Results and exceptions are sent as bytes, because
-    joblib hangs on results that cannot be unpickled; cloudpickle is used because tables of the report contain lambdas.
+    one state per process. A worker of another version of rollbench than ``version``, which may have joined the cluster at
+    any time, returns an InputError. Results and exceptions are sent as bytes, because joblib hangs on results that cannot
+    be unpickled; cloudpickle is used because tables of the report contain lambdas.
     """
     import cloudpickle
 

@@ -74,7 +74,7 @@ def checksum_of_data(data: Mapping[str, Any]) -> str:
 
 
 def _parse_json_file(path: Path) -> dict[str, Any]:
-    """Return the JSON object in the file of a stored 3D run; ValueError if it is too large, too deeply nested or none."""
+    """Return the JSON object in the file of a stored 3D run; ValueError if there is none, or it is too large."""
     if not path.is_file():
         raise ValueError("the path of a stored 3D run is not a regular file")
     with open(path, "rb") as file:

@@ -33,7 +33,7 @@ _SIZED = ("semi", "reach", "sides")
 class MeshSpecification:
     """What is to be meshed for a nut or bearing row, or for equal ones on a shaft: bodies, flanks, mesh settings."""
 
-    #: Nut or row as a scene; if the shaft has several, axial positions are relative to the row.
+    #: Nut or row as a scene; on a shaft with several, axial positions are relative to this one.
     parts: Scene
     #: Numbers of the meshed flanks: 0 to 3 for SL, SR, NL, NR.
     meshed_flanks: tuple[int, ...]
@@ -62,7 +62,7 @@ def refusal_of_3d_reference(described: Solvable, error: ValueError) -> SceneNotC
 
 
 def _bodies_to_mesh(case: Solvable) -> list[Scene]:
-    """Return each nut or bearing row of a load case as a scene to be meshed; Refusal for a row without a 3D model."""
+    """Return each nut or bearing row of a load case as a scene to be meshed; SceneNotCoveredError without 3D model."""
     if isinstance(case, Scene):
         return [case]
     from rollbench.hifi.several_sets import meshed_geometry_of_each_set
@@ -77,7 +77,7 @@ def _estimate_expected_contacts(case: Solvable, bodies: Sequence[Scene]) -> tupl
     """Return the expected contact loads and angles of each nut or bearing, from which mesh sizes are chosen.
 
     ``case``: load case; ``bodies``: nut or bearing rows to be meshed, as scenes. For a nut or bearing without load, a tenth
-    of the mean contact load of the others is assumed. Refusal if the loads cannot be estimated.
+    of the mean contact load of the others is assumed. SceneNotCoveredError if the loads cannot be estimated.
     """
     from rollbench.hifi.meshing.settings import (
         estimate_contacts_of_each_set,
@@ -112,7 +112,8 @@ def _flanks_under_load(expected: Sequence[ExpectedContacts]) -> tuple[int, ...]:
 def flanks_to_mesh(scene: Scene) -> tuple[int, ...]:
     """Return the numbers of a scene's flanks that must be meshed: those that may carry load, and the opposite ones.
 
-    Flanks 0 to 3 are SL, SR, NL, NR. Refusal if the low-order estimate of the contact loads finds no equilibrium.
+    Flanks 0 to 3 are SL, SR, NL, NR. SceneNotCoveredError if the low-order estimate of the contact loads finds no
+    equilibrium.
     """
     return _flanks_under_load(_estimate_expected_contacts(scene, ()))
 
@@ -131,13 +132,14 @@ def mesh_specifications(cases: Sequence[Solvable], level: int, variant: str = ""
 
     Returns
     -------
-    tuple of SetUp
+    tuple of MeshSpecification
         One for each nut or bearing row that differs from the others in bodies or loaded flanks.
 
     Raises
     ------
     InputError
-        If the level is unknown; its subclass Refusal if a row has no 3D model, or its contact loads cannot be estimated.
+        If the level is unknown; its subclass SceneNotCoveredError if a row has no 3D model, or its contact loads cannot be
+        estimated.
     """
     from rollbench.hifi.meshing.settings import Settings, round_up_lengths
 
