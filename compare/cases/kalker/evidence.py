@@ -32,7 +32,7 @@ NAMES = ("C11", "C22", "C23", "C33")
 
 @dataclass(frozen=True)
 class CreepCoefficient:
-    """One of Kalker's linear creep coefficients, computed on several grids of the contact ellipse."""
+    """One of Kalker's linear creep coefficients, computed on several grids of cells over the contact ellipse."""
 
     #: Key in the printed table: name, ratio of semi-axes, Poisson's ratio (``C11_0.2_0.25``).
     key: str
@@ -40,7 +40,7 @@ class CreepCoefficient:
     values_by_grid: tuple[float, ...]
     #: Value extrapolated to first order in the cell size if the values converge monotonically, else the finest grid's.
     best_value: float
-    #: Whether ``answer`` is extrapolated.
+    #: Whether ``best_value`` is extrapolated.
     is_extrapolated: bool
 
 
@@ -120,10 +120,11 @@ RUB_REACH = 0.01
 class Verification:
     """A verification of the 3D model of rolling contact: one quantity on three grids, and its exact or printed value.
 
-    ``case``: contact problem in words; ``quantity``: name with unit; ``values``: value of the quantity on the coarse, the
-    middle and the fine grid; ``exact``: exact or printed value; ``reach``: permitted error of ``answer`` [%]; ``answer``:
-    value that is compared with ``exact``, in most verifications the value on the finest grid; ``finer``: number of cells
-    along an axis of the finest grid over that of the coarsest, None if no order of convergence is expected.
+    ``contact_problem``: in words; ``quantity``: name with unit; ``values_by_grid``: value on the coarse, the middle and the
+    fine grid; ``exact_value``: exact or printed value; ``judged_value``: value that is compared with it, in most
+    verifications that on the finest grid; ``permitted_error_percent``: permitted error of ``judged_value`` [%];
+    ``grid_refinement``: number of cells along an axis of the finest grid over that of the coarsest, None if no order of
+    convergence is expected.
     """
 
     contact_problem: str
@@ -136,20 +137,20 @@ class Verification:
 
     @property
     def error_of_judged_value_percent(self) -> float:
-        """Error of ``answer`` against the exact or printed value [%]."""
+        """Error of ``judged_value`` against the exact or printed value [%]."""
         return float(error_percent(self.judged_value, self.exact_value))
 
     @property
     def within_permitted_error(self) -> bool:
-        """Whether the error of ``answer`` is within the permitted error ``reach``."""
+        """Whether the error of ``judged_value`` is within ``permitted_error_percent``."""
         return abs(self.error_of_judged_value_percent) <= self.permitted_error_percent
 
     @property
     def convergence_order(self) -> float | None:
         """Order of convergence observed from the coarsest grid to the finest.
 
-        None if the last error is round-off, or if the error does not fall with each finer grid: it then depends on
-        where cell boundaries lie.
+        None if the error on the finest grid is round-off, or if the error does not fall with each finer grid. Such an error
+        depends on where cell boundaries lie.
         """
         errors = np.abs(np.array(self.values_by_grid) - self.exact_value)
         if self.grid_refinement is None or not errors[-1] > 1e-12 * abs(self.exact_value) or (np.diff(errors) >= 0.0).any():
@@ -161,7 +162,7 @@ class Verification:
 def verifications(*, meshing: bool = True) -> tuple[Verification, ...]:
     """Return all verifications of the 3D model of rolling contact against known solutions.
 
-    ``meshing``: False leaves out the verification that needs the mesh generator gmsh.
+    ``meshing``: whether to include the verification that needs the mesh generator gmsh.
     """
     parts = (
         _verify_finite_elements,
@@ -186,9 +187,10 @@ def most_loaded_contact_by_3d_reference(cells: tuple[int, int] = STATIC_CELLS) -
 
 
 def _most_loaded_contact() -> tuple[ContactGeometry, float, tuple[float, float]]:
-    """Return the most loaded contact of two touching balls of a ball screw.
+    """Return the contact with the largest load among those of two touching balls of a ball screw with their grooves.
 
-    First: its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's ratio.
+    First: its geometry at its position on the groove; second: its load [N]; third: Young's modulus [Pa] and Poisson's
+    ratio.
     """
     scene = prepare_rolling_case(shipped_scene_of_kind(SCREW, FrictionScene), RollingSettings(LEVELS[1])).touching
     touch = max((t for b in scene.balls for t in b.groove_contacts), key=lambda t: t.contact_force)
@@ -211,7 +213,7 @@ def _verify_contact_at_rest() -> Iterator[Verification]:
 
 
 def _approach_semi_axes_and_peak(contact: verification.NormalContact) -> tuple[float, ...]:
-    """Return approach [um], semi-axes along and across rolling [um], and peak pressure [MPa] of a normal contact."""
+    """Return approach [um], semi-axes [um] along and across the rolling direction, peak pressure [MPa] of a contact."""
     return 1e6 * contact.approach, 1e6 * contact.semi_axes[0], 1e6 * contact.semi_axes[1], 1e-6 * contact.peak_pressure
 
 
@@ -270,8 +272,8 @@ def _verify_cattaneo_mindlin() -> Iterator[Verification]:
 def _verify_full_slip() -> Iterator[Verification]:
     """Verify friction force and moment of a contact that slips everywhere.
 
-    They are computed by quadrature, on a grid, and by differences between elastic and nearly rigid bodies as in stored 3D
-    results; the exact values are those of a fine quadrature.
+    Force and moment are computed by quadrature, on a grid, and, as in stored 3D results, as the rigid limit plus the
+    difference between elastic and nearly rigid bodies. The exact values are those of a fine quadrature.
     """
     for where, creep in SLIPS.items():
         exact = _longitudinal_force_and_moment(*verification.full_slip_by_quadrature(*GROOVE, creep, MU, 1200))
@@ -305,17 +307,17 @@ def _verify_full_slip() -> Iterator[Verification]:
 
 
 def _longitudinal_force_and_moment(force: Array, moment: float) -> tuple[float, float]:
-    """Return the component along rolling [N] of a force vector [N], and a moment converted from [N m] to [N mm]."""
+    """Return the component of a force [N] along the rolling direction, then a moment converted from [N m] to [N mm]."""
     return float(force[0]), 1e3 * moment
 
 
 def _rolling_force_and_moment(
     patch: GridContact, creep: verification.Creep, compliance_factor: float
 ) -> tuple[float, float]:
-    """Return friction force [N] and moment [N mm] in steady rolling of bodies whose tangential compliance is scaled.
+    """Return friction force [N], then moment [N mm], in steady rolling of bodies whose tangential compliance is scaled.
 
-    The force is the component along rolling. ``patch``: contact ellipse divided into cells; ``creep``: creepages and
-    spin; ``compliance_factor``: factor on the tangential compliance (the normal contact stays unchanged).
+    The force is the component along rolling. ``patch``: contact ellipse divided into cells; ``creep``: creepages and spin;
+    ``compliance_factor``: factor on the tangential compliance (the normal contact stays unchanged).
     """
     found = verification.solve_steady_rolling_for_creepages(patch, creep, MU, elastic=compliance_factor)
     return _longitudinal_force_and_moment(found.friction_force, found.friction_moment)
@@ -324,11 +326,12 @@ def _rolling_force_and_moment(
 def _grid_corrected_force_and_moment(
     patch: GridContact, creep: verification.Creep, rigid_limits: list[tuple[float, float]]
 ) -> tuple[float, float]:
-    """Return friction force [N] and moment [N mm] with the correction of the grid error that the stored 3D results have.
+    """Return friction force [N], then moment [N mm], of a slipping contact, corrected for the grid error.
 
-    They are the rigid limit, plus the difference between elastic and nearly rigid bodies on the same grid. ``patch``:
-    contact ellipse divided into cells; ``creep``: creepages and spin; ``rigid_limits``: force [N] and moment [N mm] of the
-    rigid limit by several quadratures, of which the mean counts.
+    The correction is that of the stored 3D results: to the rigid limit is added the difference between elastic and nearly
+    rigid bodies on the same grid. ``patch``: contact ellipse divided into cells; ``creep``: creepages and spin;
+    ``rigid_limits``: pairs of force [N] and moment [N mm] for rigid bodies, one pair for each of several quadratures; their
+    mean is used.
     """
     limit, elastic, near = (
         np.mean(rigid_limits, axis=0),
@@ -358,8 +361,9 @@ def _verify_creep_coefficients() -> Iterator[Verification]:
 def _verify_example_of_program_contact() -> Iterator[Verification]:
     """Yield the comparison of lateral force and spin moment with the example printed for the program CONTACT.
 
-    With CONTACT's difference scheme the printed digits must come out. With the scheme used here, the permitted error is
-    the first-order error of CONTACT's scheme, estimated by its change from the coarsest grid to the finest.
+    With CONTACT's difference scheme, the computed values must have the printed digits. With the scheme of this package, the
+    permitted error is the first-order error of CONTACT's scheme, estimated by the change of its results from the coarsest
+    grid to the finest.
     """
     theirs = [solve_rolling_example(n, by_contact_scheme=True) for n in EXAMPLE_GRIDS]
     ours = [solve_rolling_example(n) for n in (16, 24, 32)]

@@ -2,9 +2,9 @@
 
 The cases are single balls, pairs, rows of neighbouring balls, and bearings with clearance, with inputs far from those of
 the thesis. Every case is solved from the solver's default start and from random ones. Each solution must converge, balance
-power input and dissipation, and agree with the first one. Lin's method finds a root of the force balance under his sigmoid
-friction law from random starts. For one ball it uses the same contact loads; for several balls it is the method in
-``lowfi.friction.as_source.screw``.
+power input and dissipation, and agree with the first one. Lin's method starts from random motions and finds a root of the
+force balance under his sigmoid friction law. For one ball, the contact loads are those of the solver of least dissipation;
+for several balls, Lin's method is that in ``lowfi.friction.as_source.screw``.
 """
 
 from __future__ import annotations
@@ -111,10 +111,10 @@ class GroupResult:
 class ExtremeGroupTally:
     """Running counts and largest errors of the solutions of one group of extreme cases; each solution updates them.
 
-    The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``direct``, ``restarts``: number of random starts
-    from which the solver converged without changing to its default start, and number of all random starts; ``overlapping``,
-    ``other``: numbers of roots found by Lin's method with overlapping balls, and with ball-to-ball forces that differ from
-    this package's solution.
+    The fields ``cases`` to ``source_tries`` are those of `GroupResult`. ``random_starts``: number of random starts;
+    ``converged_from_random_starts``: number of those from which the solver converged without changing to its default start;
+    ``roots_with_overlap``, ``roots_with_other_forces``: numbers of roots found by Lin's method with overlapping balls, and
+    with ball-to-ball forces that differ from this package's solution.
     """
 
     cases: int = 0
@@ -135,7 +135,7 @@ class ExtremeGroupTally:
         ``found``: the root that Lin's method found, or None if it found no loads; ``force``: ball-to-ball forces (n,) [N]
         by this package's solver, for n pairs of neighbouring balls; ``friction_bound``: largest possible friction force
         between two balls [N], by which differences of forces are divided. A root counts as solved if no two balls overlap
-        or pull at each other; the field ``other`` counts solved roots whose forces differ from ``force``.
+        or pull at each other; the field ``roots_with_other_forces`` counts solved roots whose forces differ from ``force``.
         """
         self.source_tries += 1
         if found is None or found.status == "failed":
@@ -194,9 +194,9 @@ class ExtremeGroupTally:
 class BallMotionProblem:
     """The motion of one ball under given contact loads, as posed to both methods: least dissipation and Lin's root finding.
 
-    ``problem``: contacts of the ball and velocities of the driven surfaces; ``law``: Lin's sigmoid friction law;
-    ``power``: function that returns the power input [W] of the driven surfaces from the friction on the ball: an array
-    (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
+    ``problem``: contacts of the ball and velocities of the driven surfaces; ``friction_law``: Lin's sigmoid friction law;
+    ``power_input``: function that returns the power input [W] of the driven surfaces from the friction on the ball: an
+    array (m, 3) with two force components [N] and the spin moment [N m] at each of m contacts.
     """
 
     problem: BodyMotionProblem
@@ -392,8 +392,8 @@ def solve_all_single_ball_groups() -> list[GroupResult]:
 class LinearBearingBalls:
     """Neighbouring balls of a linear bearing that may touch each other.
 
-    ``bearing``: grooves, balls and friction; ``angles``, ``loads``: contact angles [rad] and contact loads [N], each (N,
-    4) for the four contacts of N balls.
+    ``bearing``: grooves, balls and friction; ``contact_angles``, ``loads``: contact angles [rad] and contact loads [N],
+    each (N, 4) for the four contacts of N balls.
     """
 
     bearing: LinearBearing
@@ -485,8 +485,7 @@ def random_balls_with_unloaded_contacts(count: int, mu: float) -> LinearBearingB
 def pair_with_nearly_unloaded_diagonal(side_force_ratio_plus_one: float) -> LinearBearingBalls:
     """Return two balls of the linear bearing, with one pair of opposite contacts of each ball nearly unloaded.
 
-    ``side_force_ratio_plus_one``: side force over vertical load, plus 1. If it is zero, this pair of opposite contacts
-    carries no load.
+    ``side_force_ratio_plus_one``: 1 + side force/vertical load; 0: one pair of opposite contacts carries no load.
     """
     return linear_bearing_pair(2.0, -1.0 + side_force_ratio_plus_one)
 
@@ -539,8 +538,8 @@ def count_solutions_from_random_starts(
 def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Array]:
     """Return random contact loads (N, 4) [N], contact angles (N, 4) [rad] and permitted closing rates (N,) of N balls.
 
-    The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The closing rate
-    (slack) is the largest rate [rad/s] at which a ball may gain on the next one, infinite for the last ball.
+    The balls are neighbours in a screw. ``count``: the number N, also the seed of the random numbers. The permitted closing
+    rate is the largest rate [rad/s] at which a ball may gain on the next one; it is infinite for the last ball.
     """
     g, rng = groove_of_table_3_6(), np.random.default_rng(count)
     force = rng.uniform(20.0, 60.0, (count, 4))
@@ -552,7 +551,7 @@ def random_loads_angles_and_closing_rates(count: int) -> tuple[Array, Array, Arr
 def random_screw_balls(count: int) -> ScrewChain:
     """Return neighbouring balls of a screw with random contact loads, contact angles and permitted closing rates.
 
-    ``count``: number of balls. The closing rate (slack) of a ball is the largest rate [rad/s] at which it may gain on the
+    ``count``: number of balls. The permitted closing rate of a ball is the largest rate [rad/s] at which it may gain on the
     next one.
     """
     g, (force, angle, slack) = groove_of_table_3_6(), random_loads_angles_and_closing_rates(count)
@@ -669,7 +668,8 @@ ROOT_STARTS = 8
 def groups_of_extreme_linear_pairs() -> list[tuple[str, list[LinearChain]]]:
     """Return groups of extreme cases of two balls in the linear bearing of Lin's section 3.3.
 
-    Each item: names of the varied inputs with their ranges; then the ball pairs of the group, prepared for the solver.
+    Each item: names of the varied inputs with their ranges, as text; then the ball pairs of the group, prepared for the
+    solver.
     """
 
     def make_pair(theta: float, rho: float, vertical: float, mu: float) -> LinearChain:
@@ -731,8 +731,8 @@ def extreme_linear_pair_rows() -> list[Row]:
 def root_finding_rows() -> list[Row]:
     """Return table rows that compare Lin's root finding with least dissipation on the rotary bearing's cases I to III.
 
-    Root finding starts from random motions of the ball within 1 % and within 50 % of the solution, least dissipation within
-    50 %. A row counts the starts from which each method finds the solution.
+    Root finding starts from random motions of the ball that differ from the solution by up to 1 %, and by up to 50 %; least
+    dissipation from motions that differ by up to 50 %. A row counts the starts from which each method finds the solution.
     """
     rng, rows = np.random.default_rng(5), list[Row]()
     first = {case: solve_rotary_ball(case, "as printed") for case in CASES}

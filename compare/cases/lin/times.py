@@ -1,7 +1,7 @@
 """Run times of the models, compared with those printed in Tables 2.2, 3.5 and 3.7 of Lin's thesis.
 
-``rollbench bench --source lin --store FOLDER`` measures and stores all of them. A cold run is made in a new process with
-empty caches, and its time includes imports. A further run is the next load case in the same process.
+``rollbench bench --source lin --store FOLDER`` measures and stores all these times. A cold run is made in a new process
+with empty caches, and its time includes imports. A further run is the next load case in the same process.
 """
 
 from __future__ import annotations
@@ -81,9 +81,10 @@ def measure_run_times(cache: SceneResultCache, step: Callable[[str], None]) -> S
 class ModelRunTimes:
     """Measured run times of one model for one scene.
 
-    ``cold``: time [s] of the first load case in a new process, imports included; ``further``: time [s] of the next load
-    case in the same process; either is None if it was not measured. ``older``: if both are None, time by an earlier
-    measurement and its conditions in words, else empty.
+    ``cold_start_seconds``: time [s] of the first load case in a new process, imports included;
+    ``further_load_case_seconds``: time [s] of the next load case in the same process; either is None if it was not
+    measured. ``earlier_measurement``: if both are None, time by an earlier measurement with its conditions, as text; else
+    empty.
     """
 
     cold_start_seconds: float | None = None

@@ -1,7 +1,7 @@
 """Report pages on Liu et al. (2025): printed numbers and figures of each section, with the computed ones.
 
-Another page shows the error of Liu's model, which has axial displacements only: it computes one screw by this model, by the
-beam model, by the refined model and by the 3D reference.
+Another page shows the error of Liu's model, which has axial displacements only: there, one screw is computed by Liu's
+model, the beam model, the refined model and the 3D reference.
 """
 
 from __future__ import annotations
@@ -117,8 +117,9 @@ LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 class LoadsByThreeModels:
     """Contact loads of the 78 balls of one screw under one axial load, by three models.
 
-    ``errors``: ball errors of the screw in words; ``load``: axial load [N]; ``axial``, ``beam``, ``refined``: contact
-    loads (78,) [N] by Liu's axial model, the beam model and the refined model.
+    ``ball_errors_in_words``: ball errors of the screw; ``axial_load``: [N]; ``loads_by_axial_model``,
+    ``loads_by_beam_model``, ``loads_by_refined_model``: contact loads (78,) [N] by Liu's axial model, the beam model and
+    the refined model.
     """
 
     ball_errors_in_words: str
@@ -131,7 +132,7 @@ class LoadsByThreeModels:
         """Return the differences of the axial model's loads from those of another model.
 
         First: RMS difference [% of the mean load]; second: largest difference, with its sign [% of the mean load]; third:
-        number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by the other model.
+        number of the ball with the largest difference, from 1. ``model``: contact loads (78,) [N] by that other model.
         """
         change = error_percent(model, self.loads_by_axial_model, float(model.mean()))
         ball = int(np.abs(change).argmax())

@@ -62,9 +62,9 @@ def _shipped_40x10_screw() -> Scene:
 class CatalogueNut:
     """Dimensions of a ball nut in a catalogue.
 
-    ``ball``, ``pitch``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m]; ``turns``: number of
-    loaded turns of all circuits; ``short``: whether each ball circuit has one turn only, of which its deflector takes a
-    part.
+    ``ball_diameter``, ``pitch_diameter``: diameters of ball and pitch circle [m]; ``lead``: lead of the screw [m];
+    ``turns``: number of loaded turns, summed over all circuits; ``has_one_turn_circuits``: whether each ball circuit has
+    one turn only, of which the deflector takes a part.
     """
 
     ball_diameter: float
@@ -396,9 +396,9 @@ FORMULAS = (
 class DragTorqueRatios:
     """Drag torques divided by preload and nominal diameter, computed and by makers' formulas, for nuts of one lead.
 
-    ``diameter``: nominal diameter [m]; ``lead``: lead [m]; ``single``, ``double``: computed torque of a single and of a
-    double nut at the default coefficient of friction; ``least``: torque of a single and of a double nut at the smallest
-    coefficient; ``formulas``: torques by the makers' formulas, in the order of `FORMULAS`.
+    ``nominal_diameter``, ``lead``: [m]; ``single``, ``double``: computed ratio of a single and of a double nut at the
+    default coefficient of friction; ``at_smallest_friction``: the same two ratios at the smallest coefficient;
+    ``by_makers_formulas``: ratios by the makers' formulas, in the order of `FORMULAS`.
     """
 
     nominal_diameter: float

@@ -31,7 +31,7 @@ UNITS = {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "daN": 10.0, "N/um": 1e6, "kgf/um"
 class MakerTable:
     """A table printed by a maker, from one CSV file.
 
-    ``name``: name of the file without ``.csv``; ``head``: texts of the file's first lines by key (maker, origin, class,
+    ``name``: name of the file without ``.csv``; ``header``: texts of the file's first lines by key (maker, origin, class,
     number format, remarks); ``rows``: for each row, the printed texts by name of the column.
     """
 
@@ -40,16 +40,16 @@ class MakerTable:
     rows: tuple[Mapping[str, str], ...]
 
     def parse_number(self, text: str) -> float:
-        """Convert a printed text to a number, with the decimal and thousands separators that the table's head states."""
+        """Convert a printed text to a number, with the decimal and thousands separators that the table's header states."""
         plain = re.sub(r"[\s\u00a0]", "", text).replace(self.header.get("thousands", " "), "")
         return float(plain.replace(self.header.get("decimal", "."), "."))
 
     def unit_factor(self, key: str) -> float:
-        """Return the factor from a printed unit to SI; ``key``: line of the table's head with the unit, as "load_unit"."""
+        """Return the factor from a printed unit to SI; ``key``: header key of that unit, such as "load_unit"."""
         return UNITS[self.header[key]]
 
     def is_listed_as_misprint(self, what: str) -> bool:
-        """Return whether the table's head lists a printed value as a misprint.
+        """Return whether the table's header lists a printed value as a misprint.
 
         ``what``: name of the part, or name of the part and quantity, such as "SFE1632-3 rigidity". A name that is listed
         without a quantity stands for all quantities of the part.
@@ -109,12 +109,12 @@ class ComputedBand(NamedTuple):
 class PublishedValue:
     """One published value of a maker, program, textbook or measurement, with the computed value.
 
-    ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher;
-    ``item``: part to which the value belongs; ``cls``: kind of source, such as "measured"; ``origin``: file and line, or
-    section, of the value in the source. ``value``: published value in ``unit``; ``rounding``: half a step of its last
-    digit, or half of a published range. ``computed``: computed value and its range in the same unit. ``scale``: value
-    that errors in per cent refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80
-    % of a nut's rigidity), or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
+    ``quantity``: such as "rigidity"; ``law``: name of the model that computes the quantity; ``maker``: publisher; ``part``:
+    part to which the value belongs; ``kind_of_source``: such as "measured"; ``origin``: file and line, or section, of the
+    value in the source. ``value``: published value in ``unit``; ``rounding``: half a step of its last digit, or half of a
+    published range. ``computed``: computed value and its range in the same unit. ``scale``: value that errors in per cent
+    refer to; 0: the published value. ``practice``: computed value reduced as makers reduce it (80 % of a nut's rigidity),
+    or None. ``left``: why the value is not judged, such as a misprint; empty if it is judged.
     """
 
     quantity: str
@@ -191,9 +191,10 @@ def published_value_of_table_entry(
 class ErrorStatistics:
     """Bias, scatter and number of the errors of a group of computed values against published ones.
 
-    ``number``: number of values; ``bias``, ``scatter``: mean and standard deviation of the errors [%]; ``inside``: number
-    of published values in the computed band; ``width``: median width of the bands [% of the computed value];
-    ``practice``: mean error [%] of the computed values after reduction as makers reduce them, None without such values.
+    ``count``: number of values; ``mean_error_percent`` (bias), ``standard_deviation_percent`` (scatter): of the errors [%];
+    ``count_in_range``: number of published values in their computed ranges; ``median_range_width_percent``: median width of
+    these ranges [% of the computed value]; ``reduced_mean_error_percent``: mean error [%] of the computed values after
+    reduction as makers reduce them, None without such values.
     """
 
     count: int

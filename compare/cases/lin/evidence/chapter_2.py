@@ -147,8 +147,8 @@ def table_2_2(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 class EndSupport:
     """An interpretation of the support of the screw's right end in Lin's case study 3, which his text leaves unclear.
 
-    ``label``: restrained freedoms in words; ``plain``, ``offset``: names of the scenes without and with a lateral offset
-    of the right end; ``is_stated_by_text``: whether Lin's text states this support.
+    ``restraint_in_words``: restrained freedoms; ``scene_without_offset``, ``scene_with_offset``: names of the scenes
+    without and with a lateral offset of the right end; ``is_stated_by_text``: whether Lin's text states this support.
     """
 
     restraint_in_words: str
@@ -309,8 +309,8 @@ def _compare_with_ansys(cache: SceneResultCache, findings: ComputedEntryValues) 
 class Case1WithModelChoice:
     """Contact loads of Lin's case study 1 under one modelling choice, compared with those of the default model.
 
-    ``label``: the choice in words; ``result``: static solution; ``change``: difference of the contact loads from the loads
-    with all choices by default.
+    ``choice_in_words``: the choice; ``solution``: static solution; ``load_change``: difference of its contact loads from
+    the loads with all choices by default.
     """
 
     choice_in_words: str

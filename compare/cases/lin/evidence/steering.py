@@ -68,7 +68,7 @@ def solve_axial_lash_test(scene: Scene, loads: str = ENDS, restrained: Sequence[
     scene
         The screw.
     loads
-        Axial loads at the screw's left end, in the form of ``rollbench solve --curve``.
+        Axial loads at the screw's left end: first, last and number of loads, such as "-200N:200N:2".
     restrained
         Names of the freedoms that are restrained at the left end, such as "rz".
     """
@@ -85,11 +85,11 @@ def solve_conical_lash_test(
     scene
         The screw.
     direction
-        Direction of the lateral load [rad].
+        Direction of the lateral load: angle about the screw's axis from x [rad].
     force_distance
-        Distance of the load to the right of the nut's centre [m].
+        Axial distance [m] by which the load acts to the right of the nut's centre.
     loads
-        Lateral loads, in the form of ``rollbench solve --curve``.
+        Lateral loads: first, last and number of loads, such as "-200N:200N:2".
     restrained
         Names of the freedoms that are restrained at the left end, such as "rz".
     """
@@ -119,8 +119,8 @@ def peak_to_peak_displacement(test: LoadCurve) -> float:
 def relative_range_percent(values: list[float]) -> float:
     """Return the relative range (largest - smallest)/smallest [%] of a screw's lash over the four patterns of its balls.
 
-    ``values``: lash for each pattern, in any unit. Lin does not define the difference; this definition fits the axial
-    difference that he prints best.
+    ``values``: lash for each pattern, in any unit. Lin does not define his relative difference of the lash. Of several
+    definitions, this one comes nearest to the axial difference that he prints.
     """
     return float(error_percent(max(values), min(values)))
 
@@ -129,8 +129,8 @@ def relative_range_percent(values: list[float]) -> float:
 class RelativeLashDifferences:
     """Relative differences [%] of the lash of one ball screw between four patterns of its balls.
 
-    ``axial``: difference in the axial test; ``conical``: differences in the conical test (lateral force), one for each
-    direction of the force in `DIRECTIONS`.
+    ``axial_percent``: difference in the axial test; ``conical_percent``: differences in the conical test (lateral force),
+    one for each direction of the force in `DIRECTIONS`.
     """
 
     axial_percent: float
@@ -171,7 +171,7 @@ TIE_ROD = (0.0, 6.0, 12.0, 18.0)
 
 
 def shipped_steering_gear() -> Assembly:
-    """Return the scene of Lin's steering gear, which is included with rollbench: a rack with ball screw and bearing."""
+    """Return the scene, included with rollbench, of Lin's steering gear: a rack with ball screw and bearing."""
     found = catalogue.shipped_scene(RACK)
     if not isinstance(found, Assembly):
         raise AssertionError(f"scene {RACK}: expected a shaft with ball screw and bearing, got {type(found).__name__}")
@@ -322,9 +322,10 @@ OFFSETS, ANGLES = (-0.02, 0.0, 0.02), (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0)
 class LashDifferencesWithChangedInput:
     """Differences of the lash between ball patterns, with one input changed that Lin does not print for his lash tests.
 
-    ``changed``: name of the input that differs; ``diameter``: outer diameter of the screw [m]; ``position``: axial
-    position of the nut's centre [m]; ``reach``: distance of the lateral force from the nut's centre [m]; ``restraint``:
-    restraint of the screw's left end, a key of `RESTRAINTS`; ``found``: differences of the lash.
+    ``changed_input``: name of the input that differs; ``screw_outer_diameter``: [m]; ``nut_position``: axial position of
+    the nut's centre [m]; ``force_distance``: distance of the lateral force from the nut's centre [m];
+    ``left_end_restraint``: restraint of the screw's left end, a key of `RESTRAINTS`; ``differences``: differences of the
+    lash.
     """
 
     changed_input: str
@@ -356,9 +357,10 @@ def lash_differences_by_changed_input(scene: Scene) -> Iterator[LashDifferencesW
 class GearLayoutLoadRatios:
     """Load ratios of the steering gear for one layout: largest contact load at 18 deg over that at 0 deg of the tie rods.
 
-    ``pinion``: axial position of the pinion [m]; ``hold``: what the pinion restrains, a key of `PINION_HOLDS`;
-    ``opposed``: whether the lateral forces of both tie rods have opposite directions; ``offset``: axial distance of the
-    bearing from the nut's centre [m]; ``screw``, ``bearing``: load ratios of ball screw and bearing.
+    ``pinion_position``: axial position of the pinion [m]; ``pinion_restraint``: what the pinion restrains, a key of
+    `PINION_HOLDS`; ``side_forces_opposed``: whether the lateral forces of both tie rods have opposite directions;
+    ``bearing_offset``: axial distance of the bearing from the nut's centre [m]; ``screw``, ``bearing``: load ratios of ball
+    screw and bearing.
     """
 
     pinion_position: float

@@ -62,7 +62,7 @@ MU = 0.01
 def groove_radius_less_ball_radius(scene: Scene) -> float:
     """Return the difference h [m] between groove radius and ball radius.
 
-    ``scene``: the ball screw. Raises ValueError if screw and nut have different groove radii.
+    ``scene``: ball screw. Raises ValueError if screw and nut have different groove radii.
     """
     if scene.screw.groove_radius != scene.nut.groove_radius:
         radii = f"{scene.screw.groove_radius:g} and {scene.nut.groove_radius:g} m"
@@ -71,11 +71,11 @@ def groove_radius_less_ball_radius(scene: Scene) -> float:
 
 
 def oversize_of_displaced_ball(scene: Scene, normal_rotation: float = MU) -> float:
-    """Return the oversize of the ball radius [m], h phi^2/2, which closes the gap to the grooves as a displaced ball does.
+    """Return the oversize of the ball radius [m] that closes the gap to the grooves as much as a displaced ball does.
 
-    The ball is displaced across the groove, from the line through the arcs' centres of both groove sections.
-    ``normal_rotation``: angle phi [rad] by which this turns its contact normals; h: groove radius less ball radius.
-    ``scene``: ball screw with equal groove radii of screw and nut.
+    The ball is displaced across the groove, from the line through the arcs' centres of both groove sections. The oversize
+    is h phi^2/2, with h the groove radius less the ball radius. ``normal_rotation``: angle phi [rad] by which the
+    displacement turns the contact normals; ``scene``: ball screw with equal groove radii of screw and nut.
     """
     return 0.5 * groove_radius_less_ball_radius(scene) * normal_rotation**2
 
@@ -88,8 +88,8 @@ def tilt_at_onset_of_sliding(scene: Scene) -> float:
 def with_balls_displaced_by_friction(scene: Scene, balls: Iterable[int] | None = None) -> Scene:
     """Return a copy of the scene with balls displaced across their grooves as far as friction can hold them.
 
-    They are displaced from the line through the arcs' centres of both groove sections. This is modelled by an oversize of
-    the ball (`oversize_of_displaced_ball`). ``balls``: numbers of these balls, from 1; by default all.
+    A ball is displaced from the line through the arcs' centres of both groove sections. The displacement is modelled by an
+    oversize of the ball (`oversize_of_displaced_ball`). ``balls``: numbers of the displaced balls, from 1; by default all.
     """
     oversize, gap = dict(scene.errors.balls.listed), oversize_of_displaced_ball(scene)
     for k in range(1, scene.ball_count + 1) if balls is None else balls:
@@ -99,10 +99,10 @@ def with_balls_displaced_by_friction(scene: Scene, balls: Iterable[int] | None =
 
 
 def largest_relative_rise_by_friction(scene: Scene, quantity: Callable[[Scene], float]) -> float:
-    """Return the largest relative rise of a quantity that friction on a selection of the balls of a scene can cause.
+    """Return the largest relative rise of a quantity that friction can cause by displacing some of the balls of a scene.
 
-    Friction displaces each ball that, displaced alone, raises the quantity. ``quantity``: function that returns the
-    quantity of a scene.
+    The displaced balls are those of which each, displaced alone, raises the quantity. ``quantity``: function that returns
+    the quantity of a scene.
     """
     base = quantity(scene)
     return (
@@ -250,8 +250,8 @@ def combination_name(combination: Combination) -> str:
 def combine_interpretations(interpretations: tuple[Interpretation, ...], largest_count: int) -> list[Combination]:
     """Return all combinations of interpretations, each with at most one interpretation of the same modelling choice.
 
-    ``interpretations``: the interpretations; ``largest_count``: largest number of them in a combination. The first
-    combination is empty: all choices by default.
+    ``interpretations``: the interpretations; ``largest_count``: largest number of interpretations in a combination. The
+    first combination is empty: all choices by default.
     """
     found: list[Combination] = [()]
     for count in range(1, largest_count + 1):
@@ -290,9 +290,10 @@ MOVERS = ("plain", "runout", "outer-half", "tetrahedra")
 
 
 def combinations_solved_in_3d() -> list[Combination]:
-    """Return the combinations of interpretations solved in 3D: the default, single ones, and pairs and triples of `MOVERS`.
+    """Return the combinations of interpretations that are solved in 3D: none, each alone, pairs and triples of `MOVERS`.
 
-    `MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
+    None: all modelling choices by default. `MOVERS` are the interpretations that change the ratio of largest to smallest
+    load noticeably.
     """
     movers = tuple(r for r in SOLID if r.short_name in MOVERS)
     return [*combine_interpretations(SOLID, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
@@ -330,10 +331,10 @@ def stored_loads(combination: Combination, level: int | None = None) -> tuple[Ar
 
 
 def compute_missing_3d_results(step: Callable[[str], None], cache: Path | None = None) -> None:
-    """Compute and store the 3D results of all combinations of interpretations that are not stored yet.
+    """Compute and store those 3D results of all combinations of interpretations that are not stored yet.
 
-    ``step``: function that receives a message before each solution; ``cache``: folder for intermediate results, None for
-    no such folder. Raises ValueError if a solution does not converge.
+    ``step``: function that receives a message before each solution; ``cache``: folder for intermediate results, None for no
+    such folder. Raises ValueError if a solution does not converge.
     """
     for readings, level in [
         *((r, mesh_level_of_combination(r)) for r in combinations_solved_in_3d()),
@@ -371,11 +372,11 @@ APPROACH, BIAS, SCATTER = 6.4839e-6, -4.4, 0.33
 
 
 def relative_load_rise_per_hertz_approach(loads_in_3d: tuple[Array, ...]) -> float:
-    """Return the relative rise of a ball's load if one of its contacts is compressed by a further Hertz approach.
+    """Return the relative rise of a ball's load if one of its contacts is compressed by one more Hertz approach.
 
-    It follows, as a linear change, from the load of the oversize ball of case 2, whose larger radius compresses both of its
-    contacts. ``loads_in_3d``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL,
-    SR, NL and NR (screw or nut, left or right).
+    The rise is extrapolated linearly from the oversize ball of case 2, whose larger radius compresses both its contacts.
+    ``loads_in_3d``: contact loads of Lin's cases 1 and 2 in 3D, each (n, 4) [N] for n balls and the flanks SL, SR, NL and
+    NR (screw or nut, left or right).
     """
     before, after = (load[LARGE, 0] for load in loads_in_3d)
     return float((after / before - 1.0) * 0.5 * APPROACH / OVERSIZE)
@@ -441,9 +442,10 @@ ERRORS = ("case1_max_error", "case1_rms_error", "case2_max_error", "case2_rms_er
 class CombinationResult:
     """Results of a combination of interpretations: largest over smallest load of case 1, errors of the low-order model.
 
-    ``low``, ``solid``: interpretations for the low-order and for the 3D model; ``low_order_load_ratio``,
-    ``load_ratio_in_3d``: largest over smallest load of case 1 by these models; ``errors``: errors [%] against the 3D loads
-    by definition ("own": of each load, "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
+    ``low_order_combination``, ``combination_in_3d``: interpretations for the low-order and for the 3D model;
+    ``low_order_load_ratio``, ``load_ratio_in_3d``: largest over smallest load of case 1 by these models;
+    ``errors_percent``: errors of the low-order loads against the 3D loads by definition ("own": in per cent of each load,
+    "mean": of the mean load), each as largest and RMS error of case 1, then of case 2.
     """
 
     low_order_combination: Combination
@@ -456,7 +458,8 @@ class CombinationResult:
     def deviations_from_print(self) -> Array:
         """Deviations from the printed numbers (6,): two load ratios [%], then four errors of loads [percentage points].
 
-        First the load ratio of the low-order, then of the 3D model; the errors are in the order of `ERRORS`.
+        The load ratios are those of the low-order, then of the 3D model; the errors: largest and RMS of case 1, then of
+        case 2.
         """
         ratios = error_percent(np.array([self.low_order_load_ratio, self.load_ratio_in_3d]), printed_load_ratio())
         return np.concatenate([ratios, np.array(self.errors_percent["own"]) - np.array(printed_errors_percent())])
@@ -480,9 +483,9 @@ def largest_over_smallest_load(load: Array) -> float:
 def low_order_errors_percent(low_order: tuple[Array, ...], in_3d: tuple[Array, ...]) -> dict[Definition, tuple[float, ...]]:
     """Return the errors of the low-order model's loads against the 3D loads, in per cent of each and of the mean load.
 
-    The keys are "own" (of each load) and "mean" (of the mean load); the values are largest and RMS error of case 1, then of
-    case 2. ``low_order``, ``in_3d``: contact loads of both cases by
-    the low-order and by the 3D model, each (n, 4) [N] for n balls.
+    The keys are "own" (of each load) and "mean" (of the mean load); the values are largest and RMS error of Lin's case 1,
+    then of his case 2. ``low_order``, ``in_3d``: contact loads of both cases by the low-order and by the 3D model, each (n,
+    4) [N] for n balls.
     """
     found = [load_error(a, b) for a, b in zip(low_order, in_3d, strict=True)]
     of_load = tuple(x for e in found for x in (e.own_max_percent, e.own_rms_percent))
@@ -490,9 +493,10 @@ def low_order_errors_percent(low_order: tuple[Array, ...], in_3d: tuple[Array, .
 
 
 def combinations_for_low_order_model() -> list[Combination]:
-    """Return the combinations for the low-order model: the default, single ones, and pairs and triples of `LOW_MOVERS`.
+    """Return combinations of interpretations for the low-order model: none, each alone, pairs and triples of `LOW_MOVERS`.
 
-    `LOW_MOVERS` are the interpretations that change the ratio of largest to smallest load noticeably.
+    None: all modelling choices by default. `LOW_MOVERS` are the interpretations that change the ratio of largest to
+    smallest load noticeably.
     """
     movers = tuple(r for r in LOW if r.short_name in LOW_MOVERS)
     return [*combine_interpretations(LOW, 1), *(c for c in combine_interpretations(movers, 3) if len(c) > 1)]
@@ -529,7 +533,7 @@ def _required_runs_in_3d(cache: SceneResultCache, combination: Combination, leve
 
 
 def evaluate_combinations(cache: SceneResultCache) -> list[CombinationResult]:
-    """Return load ratios and errors for each pair of a low-order and a 3D combination of interpretations.
+    """Return load ratios and model errors for each pair: interpretations for the low-order model, and for the 3D model.
 
     A load ratio is the largest over the smallest load of case 1. The first result has all choices by default. Raises
     LookupError if a 3D result is not stored. ``cache``: gives solved scenes and stored 3D results.
@@ -553,8 +557,8 @@ def printed_errors_percent() -> tuple[float, ...]:
 def combination_nearest_to_print(found: list[CombinationResult], deviation_count: int = 6) -> CombinationResult:
     """Return the combination whose results are nearest to the printed numbers, of those that the text does not contradict.
 
-    The distance is the root sum of squares of the deviations `CombinationResult.misses`. ``found``: results of all
-    combinations; ``deviation_count``: how many of the deviations count; 2: only the load ratios, 6: all.
+    The distance is the root sum of squares of the deviations `CombinationResult.deviations_from_print`. ``found``: results
+    of all combinations; ``deviation_count``: how many of the deviations count; 2: only the load ratios, 6: all.
     """
     allowed = [c for c in found if not c.contradicts_text]
     return min(allowed, key=lambda c: float(np.linalg.norm(c.deviations_from_print[:deviation_count])))
@@ -568,10 +572,10 @@ def combinations_without_penalty(found: list[CombinationResult]) -> list[Combina
 def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, CombinationResult]:
     """Return the combinations that the report shows one by one, by their name in the report.
 
-    These are: all choices by default; the combination nearest to the printed load ratio, of those without a penalty (some
-    penalty would give any ratio); each penalty of the 3D contacts with all other choices by default; and the combination
-    nearest to all six printed numbers. ``found``: results of all combinations, of which the first has all choices by
-    default.
+    The combinations are: all choices by default; of those without a penalty, the one nearest to the printed load ratios
+    (with a suitable penalty, any ratio results); each penalty of the 3D contacts with all other choices by default; and the
+    combination nearest to all six printed numbers. ``found``: results of all combinations, of which the first has all
+    choices by default.
     """
     softer = {
         f"penalty of the 3D contacts: {c.combination_in_3d[0].description}": c
@@ -587,7 +591,7 @@ def explanations_shown_in_report(found: list[CombinationResult]) -> dict[str, Co
 
 
 def penalty_over_hertz_approach(cache: SceneResultCache, combination: Combination) -> float:
-    """Return the approach that a contact penalty adds in case 1, divided by the Hertz approach under the mean load.
+    """Return the approach that a contact penalty adds in Lin's case 1, over the Hertz approach; both under the mean load.
 
     ``cache``: caches the results; ``combination``: combination of interpretations that contains the penalty.
     """

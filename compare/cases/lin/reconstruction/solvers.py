@@ -83,10 +83,10 @@ def solve_with_penalty_contacts(
 class SlidingLoadCase(LoadCase):
     """A load case of the 3D reference in which grooves slide on balls that do not turn, with friction of ``mu`` times load.
 
-    The friction resists an axial motion of the screw in the direction of its load (negative ``mu``: against it). The
-    friction forces at both contacts of a ball balance each other. On a body, a force across the contact's load is applied
-    as a force through the arc's centre, by normal forces on the contact's nodes. Its moment about that centre, the arc's
-    radius times mu times the load, is neglected.
+    ``mu``: coefficient of friction. Friction resists an axial motion of the screw in the direction of its load; with
+    negative ``mu``, an axial motion against its load. The friction forces at both contacts of a ball balance each other. On
+    a body, a force across the contact's load is applied as a force through the arc's centre, by normal forces on the
+    contact's nodes. The moment of the friction about that centre (arc radius times mu times contact load) is neglected.
     """
 
     def __init__(self, setup: CondensedGeometry, scene: Scene, mu: float) -> None:

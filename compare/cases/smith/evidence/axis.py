@@ -49,9 +49,9 @@ FIRST, PLACES = 2.0 * bearings.INCH, (0.1, 0.5, 0.9)
 class SupportBearingLayout:
     """An arrangement of support bearings at both ends of the screw in Smith's thesis.
 
-    ``scene``: name of its scene; ``words``: description; ``kind``: "ball" or "taper"; ``left``, ``right``: for each
-    bearing row of an end, the direction in which it carries thrust, +1 if the screw's tension loads it, else -1 (empty:
-    the end is free to slide).
+    ``scene_name``: name of its scene; ``description``: in words; ``bearing_kind``: "ball" or "taper";
+    ``left_row_directions``, ``right_row_directions``: for each bearing row of an end, +1 if tension of the screw loads the
+    row, -1 if compression does; empty if the end is free to slide.
     """
 
     scene_name: str
@@ -87,8 +87,8 @@ LAYOUTS = TRIPLEX, SUPPORTED, TANDEM, TAPERED
 class EndThrustsAndAxisStiffness:
     """Thrust on both end supports of a ball-screw axis, and axial stiffness of the axis at the nut.
 
-    ``left``, ``right``: thrust on the left and right supports, positive in tension of the screw [N]; ``stiffness``: axial
-    stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
+    ``left_thrust``, ``right_thrust``: thrust on the left and right supports, positive in tension of the screw [N];
+    ``axis_stiffness``: axial stiffness of screw and supports at the nut [N/m], without the stiffness of the nut.
     """
 
     left_thrust: float
