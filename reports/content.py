@@ -53,7 +53,7 @@ class Table:
     Raises ValueError if two columns have the same heading and unit.
     """
 
-    #: Name of its CSV file, without the ending.
+    #: Name of the table's CSV file, without the ending.
     name: str
     #: Title of the table.
     title: str
@@ -86,7 +86,7 @@ class Table:
         *,
         unfolded: bool = False,
     ) -> Table:
-        """Make a table from rows whose keys are the columns: each key is a `Quantity` or, for texts, a heading.
+        """Make a table from rows whose keys are the columns: each key is a `TableColumn` or, for texts, a heading.
 
         The columns are in the order in which they first appear in the rows.
         """
@@ -96,7 +96,7 @@ class Table:
 
 
 def _as_table_column(column_or_heading: TableColumn | str) -> TableColumn:
-    """Return a table column as a `Quantity`; a plain text becomes the heading of a column of texts."""
+    """Return a table column as a `TableColumn`; a plain text becomes the heading of a column of texts."""
     return (
         TableColumn(column_or_heading, column_or_heading, format="s")
         if isinstance(column_or_heading, str)
@@ -114,10 +114,10 @@ class Series:
     x: Sequence[float]
     #: Ordinates of the points.
     y: Sequence[float]
-    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` (area between y and y2), ``"steps"`` (histogram; x: edges
-    #: of the bins, one more than y), or ``"bars"`` (horizontal bars from zero to x at the heights y).
+    #: ``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` (area between y and upper_y), ``"steps"`` (histogram; x:
+    #: edges of the bins, one more than y), or ``"bars"`` (horizontal bars from zero to x at the heights y).
     style: str = "line+markers"
-    #: Upper limit of a band.
+    #: Ordinates of the upper limit of a band.
     upper_y: Sequence[float] | None = None
     #: Whether the curve is drawn bold.
     bold: bool = False
@@ -159,7 +159,7 @@ class Panel:
 class Figure:
     """Figure with one to six panels, written as an SVG file."""
 
-    #: Name of its SVG file, without the ending.
+    #: Name of the figure's SVG file, without the ending.
     name: str
     #: Title of the figure.
     title: str
@@ -350,7 +350,7 @@ class PressurePanel:
 class PressureMap:
     """Figure with pressure contours of one to four contacts, on one colour scale."""
 
-    #: Name of its SVG file, without the ending.
+    #: Name of the figure's SVG file, without the ending.
     name: str
     #: Title of the figure.
     title: str
@@ -440,7 +440,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Report:
-    """Complete report of several web pages; the first `Summary` in a section makes its first page."""
+    """Complete report of several web pages; the first `Summary` in a section makes the report's first page."""
 
     #: Title of the report.
     title: str

@@ -86,9 +86,9 @@ def _visible_elements(part: MeshPart, picture: FieldPicture) -> Any:
 
 
 def _draw_outer_surface(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """Draw the surface of a mesh, opened by the picture's cutting planes, with the element edges if the mesh shows them.
+    """Draw the surface of a mesh, cut open by the picture's cutting planes, with the element edges if the mesh shows them.
 
-    ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
+    ``plotter``: plotter of pyvista, to which the surface is added. ``look``: colour settings for pyvista.
     """
     grid = _visible_elements(part, picture)
     if not grid.n_cells:
@@ -105,7 +105,7 @@ def _draw_outer_surface(plotter: Any, part: MeshPart, picture: FieldPicture, loo
 def _draw_plane_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """Draw the plane section through a mesh, with the element edges or the outline slightly in front of the plane.
 
-    ``plotter``: plotter of pyvista, to which it is added. ``look``: colour settings for pyvista.
+    ``plotter``: plotter of pyvista, to which the section is added. ``look``: colour settings for pyvista.
     """
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
     plane, grid = {"normal": normal, "origin": MM * origin}, pyvista_grid_of_part(part)

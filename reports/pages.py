@@ -390,7 +390,7 @@ def write_report(report: Report, out: Path, progress: Progress | None = None) ->
 
 
 def replace_report_folder(out: Path, fill_folder: Callable[[Path], None]) -> Path:
-    """Replace the folder of a report by a new one that ``fill_folder`` fills; return its path.
+    """Replace the folder of a report by a new one that ``fill_folder`` fills; return the path of the new one.
 
     If ``fill_folder`` fails, the old folder is unchanged. Raises ValueError if the folder contains files of other origin
     (see `check_report_folder`) or cannot be replaced.

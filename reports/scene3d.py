@@ -55,9 +55,10 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
 
 @dataclass(frozen=True)
 class _DrawnGrooves:
-    """Gothic-arch grooves of a screw and its nut as they are drawn, on the helices ``z = level + slope * (phi - phase)``.
+    """Gothic-arch grooves of a screw and its nut as they are drawn, along helices.
 
-    Each start of the screw is one helix; phi is the azimuth [rad].
+    Each start of the screw is one helix: ``z = axial_offset + advance_per_radian * (phi - start_azimuth)``, where phi is
+    the azimuth [rad].
     """
 
     #: Pitch radius of the ball track [m].
@@ -72,7 +73,7 @@ class _DrawnGrooves:
     start_azimuths: Array
     #: Axial distance between neighbouring grooves [m].
     groove_spacing: float
-    #: Axial position of the helix at phase zero [m].
+    #: Axial position of each helix at its start azimuth [m].
     axial_offset: float
 
     def depth(self, phi: Array, z: Array) -> Array:
@@ -179,7 +180,7 @@ def _screw_surfaces_near_nut(scene: Scene, coarsening: float = 1.0, length_beyon
 
 
 def _opened_nut_surfaces(scene: Scene, coarsening: float = 1.0) -> tuple[list[Grid], list[Grid]]:
-    """Return the surfaces of the half of the nut that lies behind the screw, and its two cut faces.
+    """Return two lists: surfaces of the half of the nut behind the screw, and this half's two cut faces.
 
     ``coarsening``: step of the grid, as a multiple of the step used in a picture.
     """

@@ -248,7 +248,7 @@ def error_over_further_load_case_time_figure(points: Mapping[str, Sequence[Error
     )
     return Figure(
         "error-time-further",
-        "Largest contact-load error of each model and 3D mesh level over the run time of a further load case",
+        "Largest contact-load error of each model and 3D mesh level against the run time of a further load case",
         (panel,),
         TIMED,
         columns=1,
@@ -337,8 +337,8 @@ def _error_over_time_panel(
     series = [s for s in series if len(s.x)]
     times = [p.cold for several in points.values() for p in several if p.cold is not None]
     if times:
-        series.append(Series(f"the gate's {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
-    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log_axes="xy")
+        series.append(Series(f"limit of {LIMIT:g} %", [min(times), max(times)], [LIMIT, LIMIT], "line"))
+    return Panel("", label, "largest error as judged by rollbench check / %", tuple(series), log_axes="xy")
 
 
 def _has_drawable_error_of_family(point: ErrorAndRunTime, family: str) -> bool:
@@ -422,7 +422,7 @@ def random_screws_paragraph(random_screw_count: int) -> str:
     return (
         f"{random_screw_count} catalogue screws, drawn at random with a fixed seed, none replaced, were compared with "
         "mesh level 1 of "
-        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of rollbench check (the gate) are "
+        "the 3D reference (section survey). Finer mesh levels, run times and verdicts of rollbench check are "
         "shown for the shipped scenes:"
     )
 
@@ -501,7 +501,7 @@ def largest_error_bar_chart(accuracies: Sequence[ModelAccuracy]) -> Figure:
     title = ", ".join(f"{medians[model]:.2g} % by {NAMES[model]}" for model in KINDS if model in medians)
     caption = "Errors against the finest mesh level of the 3D reference. Bars: medians; markers: maxima."
     size = (7.6, 1.2 + 0.26 * len(accuracies))
-    title = f"Median over the shipped scenes of the largest contact-load error, of the mean load: {title}"
+    title = f"Median over the shipped scenes of the largest contact-load error, relative to the mean load: {title}"
     return Figure("overview-bars", title, (panel,), caption, columns=1, size=size)
 
 
@@ -528,8 +528,8 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
     ]
     note = (
         "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
-        f"has the values of each scene. By the gate's rule: {RULE}. A scene passes if error plus uncertainty is within the "
-        "limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
+        f"has the values of each scene. Gate: rollbench check, with errors {RULE}. "
+        "A scene passes if error plus uncertainty is within the limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
         "its RMS error is zero by definition."
     )
     table = Table.from_rows(
@@ -640,7 +640,7 @@ def error_table_of_all_quantities(cache: SceneResultCache) -> Table:
         }
         cells.append({"quantity": quantity, "model": "against values of others", **known})
     note = (
-        f"First rows: the gate's verdict on every scene, {RULE}. Then: errors against the finest mesh level of the 3D "
+        f"First rows: verdicts of the gate (rollbench check), {RULE}. Then: errors against the finest mesh level of the 3D "
         "reference of each scene. Last rows: errors against values that others have printed or measured (section outside)."
     )
     return Table.from_rows(
@@ -659,9 +659,9 @@ def gate_verdict_on_model(cache: SceneResultCache, model_solution: RefinementSte
 
 
 def computed_over_reference_load_figure(cache: SceneResultCache, references: Mapping[str, Reference]) -> Figure:
-    """Draw, for every contact, the load by a low-order model over the load by the 3D reference.
+    """Draw, for every contact, the load by a low-order model, plotted against the load by the 3D reference.
 
-    Both are divided by the mean load. ``references``: 3D reference of each scene, by name of the scene.
+    The loads are divided by the mean load. ``references``: 3D reference of each scene, by name of the scene.
     """
     series = []
     for model in KINDS:
@@ -676,18 +676,18 @@ def computed_over_reference_load_figure(cache: SceneResultCache, references: Map
                 names += [f"{rung.scene}, {i + 1} {SIDES[s]}" for i, s in at]
         series.append(Series(model, x, y, "markers", point_names=names))
     end = max((max(s.x, default=1.0) for s in series), default=1.0)
-    truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the gate's rule changes
+    truths = np.array([0.0, np.nextafter(SMALL, 0.0), SMALL, end])  # a step, where the rule of rollbench check changes
     allowed = 0.01 * LIMIT * load_scale_of_check_errors(truths, 1.0)
     lines = np.concatenate([truths - allowed, [np.nan], truths + allowed])
     series.append(Series("equal loads", [0.0, end], [0.0, end], "line"))
-    series.append(Series(f"the gate's ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
+    series.append(Series(f"limit of ±{LIMIT:g} %", [*truths, end, *truths], lines.tolist(), "line"))
     panel = Panel("", "load by the 3D reference / mean load", "load by the model / mean load", tuple(series))
     caption = (
         f"{len(series[0].x)} contacts of {len(references)} scenes. Outer lines: {LIMIT:g} %, the limit of rollbench check."
     )
     return Figure(
         "contacts",
-        "Load of each contact by the low-order models over its load by the 3D reference",
+        "Load of each contact by the low-order models, plotted against its load by the 3D reference",
         (panel,),
         caption,
         columns=1,

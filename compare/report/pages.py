@@ -125,7 +125,7 @@ PLACED = (
 def _report_parts_in_page_order() -> tuple[ReportPart, ...]:
     """Return all parts of the report in the order of its pages.
 
-    These are the parts in `PLACED`, and a part for each publication whose page is not among theirs.
+    These are the parts in `PLACED`, and one part for each publication that has no part there.
     """
     placed = {part.page_name for part in PLACED}
     cases = (case for case in all_cases() if case.page and case.name not in placed)
@@ -155,9 +155,9 @@ def arrange_sections_on_pages(sections_by_part: Mapping[str, Sequence[Section]])
 
 
 def page_summary_sentence(sections: Sequence[Section]) -> str:
-    """Return the sentence that summarises a page: the first conclusion among its sections or, without one, verdict counts.
+    """Return the sentence that summarises a page: the first conclusion of its sections or, without one, verdict counts.
 
-    ``sections``: sections of the page. The sentence is empty if they have neither a conclusion nor a table with verdicts.
+    ``sections``: sections of the page. The text is empty if they contain neither a conclusion nor a table of verdicts.
     """
     text = next((section.conclusion for section in sections if section.conclusion), "")
     if text:
@@ -202,7 +202,7 @@ class OmittedParts:
 def split_into_made_and_omitted_parts(
     parts: Sequence[ReportPart], *, named_by_user: bool, with_costly_parts: bool
 ) -> tuple[list[ReportPart], list[OmittedParts]]:
-    """Split requested parts of the report into those that can be made and those that are left out; return both.
+    """Return the requested parts of the report that can be made, and a list of those left out with the reasons.
 
     Parts that take long are left out unless the user names parts or requests all. Parts that generate meshes are left out
     if gmsh cannot be loaded.

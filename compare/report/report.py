@@ -91,8 +91,8 @@ class ReportProgressPrinter:
 def compute_missing_3d_runs(cache: SceneResultCache, engine: ComputingSettings, step: Step, *, fresh: bool = False) -> None:
     """Compute those runs of the 3D reference that the report needs and that are not stored yet.
 
-    They are written to the study's first folder of stored runs; without such a folder, nothing is done. ``engine``: engine
-    that computes the runs. ``step`` is called with each line of progress. ``fresh``: whether stored runs are computed anew.
+    The runs are written to the first folder of stored runs; without such a folder, nothing is done. ``engine``: settings of
+    the computation. ``step`` is called with each line of progress. ``fresh``: whether stored runs are computed anew.
     """
     from rollbench.compare.models.comparison import REFERENCED
     from rollbench.compare.models.modelling import REFINED, VARIED
@@ -225,9 +225,9 @@ def _make_parts_in_worker(
     parts
         Parts of the report to make.
     tables
-        Names of tables of printed numbers; the computed values of these numbers are added to the returned study.
+        Names of tables of printed numbers; the computed values of these numbers are added to the returned cache.
     study_arguments
-        Arguments with which the process makes its `Study`.
+        Arguments with which the process makes its `SceneResultCache`.
     print_line
         Called with each line of progress.
     keeping
@@ -235,8 +235,8 @@ def _make_parts_in_worker(
 
     Returns
     -------
-    dict, Study
-        Sections of each part by its name, and a study with the scenes and computed values that they used.
+    dict, SceneResultCache
+        Sections of each part by its name, and a cache with the scenes and computed values that these sections used.
     """
     if keeping:
         cache.switch_on_geometry_cache()
@@ -274,7 +274,7 @@ def make_sections(
     step
         Called with each message on progress within a part.
     study
-        Study that gives scenes and solutions; scenes and evidence used in other processes are added to it.
+        Cache of scenes and solutions; scenes and computed values used in other processes are added to it.
     process_count
         Number of processes; values above 2 count as 2.
     show_worker_progress
@@ -347,7 +347,7 @@ def write_validation_report(
     store
         Folder in which computed runs are stored, so that an interrupted report can be continued.
     engine
-        Engine that computes runs of the 3D reference; None: the default.
+        Settings for computing runs of the 3D reference; None: the default.
     fresh
         Whether stored runs are computed again.
     everything
@@ -468,7 +468,7 @@ def report(
     everything: bool = False,
     source: str = "",
 ) -> Written:
-    """Write the validation report of rollbench, or a page with the gate's verdict for each named scene, as HTML.
+    """Write the validation report of rollbench, or a page with results and errors of each named scene, as HTML.
 
     Parameters
     ----------

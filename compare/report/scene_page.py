@@ -86,7 +86,7 @@ def raise_folder_errors_as_input_errors(out: Path) -> Iterator[None]:
 
 
 def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file: Path | None = None) -> ScenePage:
-    """Solve a scene by the default model and make its result page; of several load cases, that of the highest pressure.
+    """Solve a scene by the default model and make its result page, on the load case with the highest pressure.
 
     Parameters
     ----------
@@ -105,8 +105,8 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
     Raises
     ------
     InputError
-        For a scene that cannot be shown, or a file of loads for several sets of balls. If the scene has no solution, the
-        subclass Refusal.
+        For a scene that cannot be shown, or a file of loads for a shaft with several nuts or bearings. If the scene has no
+        solution, the subclass Refusal.
     """
     described = catalogue.scene_of_any_kind(scene_name)
     sets = isinstance(described.parts if isinstance(described, DutyCycle) else described, Assembly)

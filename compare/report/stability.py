@@ -111,7 +111,7 @@ def error_and_run_time_items(
     Parameters
     ----------
     cache
-        Study with the folders of stored runs.
+        Source of the stored runs of the 3D reference.
     screw_records
         Stored results of the randomly drawn screws.
     """
@@ -241,7 +241,7 @@ def _error_over_time_panel(
     ends = [x for x, *_ in places]
     series.append(Series(f"{LIMIT:g} %", [min(ends), max(ends)], [LIMIT, LIMIT], "line"))
     label = f"processor time of a {time_kind} / s"
-    return Panel("", label, "largest error by the gate's rule / %", tuple(series), log_axes="xy")
+    return Panel("", label, "largest error as judged by rollbench check / %", tuple(series), log_axes="xy")
 
 
 def _items_on_screws_drawn_later(

@@ -108,7 +108,7 @@ def _number_in_cell(text: str) -> float | None:
 
 
 def _cell_difference(row_and_column: str, old: str | None, new: str | None) -> Iterator[str]:
-    """Yield a line of text if the old and the new text of a cell differ, numbers by more than the tolerance `SAME`.
+    """Yield a line of text if a cell has changed; numbers count as changed beyond the tolerance `SAME`.
 
     ``row_and_column``: row and column of the cell, for the line. A text of None means that the column does not exist.
     """

@@ -111,7 +111,7 @@ def mesh_convergence_figure(name: str, study_rows: Sequence[Mapping[str, Any]], 
     name
         Name of the scene.
     study_rows
-        Table of the mesh study: each quantity on every level.
+        Rows of the mesh-study table: one quantity each, with its value on every mesh level.
     reference
         3D reference of the scene.
     """

@@ -26,7 +26,7 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.parts import Scene
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
-#: Names of the quantities whose errors are compared, by name of the field of a `Point` that has the error.
+#: Names of the quantities whose errors are compared, by name of the field of `MeasuredModelErrors` that has the error.
 NAMES = {
     "gate_percent": "worst contact load",
     "percent": "worst contact load",
@@ -42,7 +42,7 @@ WORDS = (
     | {"gate_percent": "worst contact load, by the gate's rule"}
 )
 
-#: Limits of the errors by the gate [%], which does not judge errors in per cent of the mean load.
+#: Default error limits of ``rollbench check`` [%]; errors in per cent of the mean load have no limit.
 LIMITS = {"gate_percent": LIMIT} | {
     f"{q.name}_percent": q.default_limit_ratio * LIMIT for q in (judged.DISPLACEMENT, judged.RIGIDITY, judged.PRESSURE)
 }
@@ -115,7 +115,7 @@ def absolute_errors_by_model_and_quantity(points: Sequence[MeasuredModelErrors])
 
 
 def sentences_on_accurate_quantities(model_errors: Sequence[ModelErrors]) -> str:
-    """Return the sentences on the quantities for which the default model is, and Lin's model is not, accurate enough.
+    """Return sentences that name the quantities for which the default model is accurate enough, and Lin's model is not.
 
     A model is accurate enough for a quantity if its error is within the limit of ``rollbench check`` on at least 95 % of
     the compared scenes. ``model_errors``: errors by model and quantity.
@@ -142,9 +142,9 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     found = absolute_errors_by_model_and_quantity(model_errors_on_compared_scenes())
     note = (
         "Errors against the 3D reference on all shipped and all randomly drawn scenes. Verdict: yes if at least 95 % of "
-        f"the scenes are within the gate's limit. This is {LIMIT:g} % for contact loads {RULE}; for other quantities it is "
-        "the error that follows from load errors of this size. Errors in per cent of the mean load have no limit. The "
-        "error by the gate's rule is not stored for all scenes."
+        f"the scenes are within the limit of the gate (rollbench check). This is {LIMIT:g} % for contact loads {RULE}; "
+        "for other quantities it is the error that follows from load errors of this size. Errors in per cent of the mean "
+        "load have no limit. The error by the gate's rule is not stored for all scenes."
     )
     table = Table.from_rows(
         "fit-for",

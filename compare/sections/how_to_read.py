@@ -1,6 +1,6 @@
-"""Report sections that explain the terms error, uncertainty, class and verdict, with one example row.
+"""Report sections that explain error and uncertainty of loads, and class and verdict of printed numbers.
 
-Also the section on assumptions of the scenes and on printed numbers that are not reproduced.
+A further section lists assumptions of the scenes, and printed numbers that are not reproduced.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ TERMS = (
         'load".'
     ),
     (
-        f"Limit of {LIMIT:g} %: that of the gate (rollbench check) for the largest error of a contact load {RULE}. Errors "
+        f"Limit of {LIMIT:g} %: that of rollbench check for the largest error of a contact load {RULE}. Errors "
         "in per cent of the mean load have no limit."
     ),
     (
@@ -41,7 +41,7 @@ TERMS = (
         "reproduced. as-printed: the number is obtained only if an error of the publication is repeated; the correct value "
         "is shown too. band: the number is under-specified or random, and compared with a range of stated origin, which "
         "extends by at most a quarter of its middle to either side. open: the text does not determine the number; it is "
-        "shown, but cannot fail the gate. input: the number is an input, or was used to infer one; it is never counted as "
+        "shown, but never fails a check. input: the number is an input, or was used to infer one; it is never counted as "
         "reproduced."
     ),
     (
@@ -61,7 +61,7 @@ TERMS = (
 
 
 def verdict_example_paragraph(cache: SceneResultCache) -> str:
-    """Return a paragraph that explains error, uncertainty and verdict by the load of one contact of `SCENE`.
+    """Return a paragraph that explains error, uncertainty and verdict, with one contact load of `SCENE` as example.
 
     ``cache``: has the solutions and the stored 3D reference. The text is empty if the reference is not stored.
     """
@@ -115,7 +115,7 @@ def rows_of_assumed_inputs(cache: SceneResultCache) -> list[dict[str, Cell]]:
 def _verdict_explanation(entry: PrintedEntryComparison) -> str:
     """Return the explanation of the verdict on a printed number: a remark on its computed value or on the number itself.
 
-    ``entry``: printed number with its computed value, both remarks and the verdict.
+    ``entry``: printed number with its computed value, a remark on each of the two, and the verdict.
     """
     return entry.remark if entry.remark and entry.agrees_with_printed is not None else entry.printed.remark
 

@@ -24,7 +24,7 @@ from rollbench.lowfi.compliance.parts import REFINED, ComplianceModel
 from rollbench.lowfi.statics.elastic import solve_elastic
 from rollbench.reports.content import Figure, Panel, Row, Section, Series, Table, TableColumn, Text
 
-#: Least number of scenes for which a figure of expected over measured errors of a model is drawn.
+#: Least number of scenes for which a figure of expected against measured errors of a model is drawn.
 MANY = 40
 #: Modelling choices of the refined model that its derivation does not determine, each with the changed model.
 CHOICES: dict[str, ComplianceModel] = {
@@ -63,7 +63,7 @@ class ChoiceEffect:
 def modelling_choice_effects(cache: SceneResultCache, name: str) -> Iterator[ChoiceEffect]:
     """Yield, for one scene, the effect of each modelling choice of the refined model on the contact loads.
 
-    The first effect is that of the unchanged model. ``name``: name of the scene. Yields nothing for a scene without a
+    The first item yielded describes the unchanged model. ``name``: name of the scene. Yields nothing for a scene without a
     stored 3D reference.
     """
     scene, reference = cache.built_in_scene(name), cache.stored_reference(name)
@@ -254,7 +254,7 @@ def expected_and_measured_error_items(
         out.append(
             Figure(
                 "ladder-estimate-figure",
-                "Expected over measured contact-load error of each model on the compared screws",
+                "Expected contact-load error of each model, plotted against the measured error",
                 tuple(panels),
                 caption,
             )

@@ -61,7 +61,7 @@ def contact_pressure_panel(name: str, contact: ContactPressure) -> PressurePanel
         MM * contact.position_along,
         MPA * contact.pressure,
         (MM * contact.pressure_centre[0], MM * contact.pressure_centre[1], MM * h.semi_x, MM * h.semi_y),
-        f"{contact.load:.1f} N; largest {MPA * contact.pressure.max():.0f} MPa, pole pressure by Hertz "
+        f"{contact.load:.1f} N; largest {MPA * contact.pressure.max():.0f} MPa, peak pressure by Hertz "
         f"{MPA * h.pole_pressure:.0f} MPa",
     )
 
@@ -141,7 +141,7 @@ def largest_pressure_table(pressures_by_scene: dict[str, dict[str, ContactPressu
     ]
     return Table.from_rows(
         "pictures-pressure",
-        "Largest nodal pressure of each contact by the 3D reference, and pole pressure by Hertz theory",
+        "Largest nodal pressure of each contact by the 3D reference, and peak pressure by Hertz theory",
         rows,
         (
             "Nodal pressure: nodal force over tributary area. Where the pressure varies nonlinearly, this value is too "
@@ -466,8 +466,9 @@ def ball_mesh_picture(solution: PicturedSolution, stresses: StressFields) -> Fie
 def solve_ball_contact_pressures(cache: SceneResultCache, name: str) -> tuple[int, dict[str, ContactPressure]]:
     """Compute the nodal contact pressures of one ball of a scene on a fine 3D mesh.
 
-    The ball carries its contact loads from the stored 3D reference, or from the default model if no reference is stored. It
-    is the ball whose least loaded contact has the largest load. ``name``: name of the scene. Returns the index of the ball,
+    The ball carries its contact loads from the stored 3D reference, or from the default model if no reference is stored.
+    The ball is chosen so that its least loaded contact carries as much load as possible. ``name``: name of the scene.
+    Returns the index of the ball,
     from 0, and the pressures by name of the contact, such as "ball 5, SL".
     """
     from rollbench.hifi.fields import contact_pressures_of_ball
@@ -534,7 +535,7 @@ def von_mises_caption(solution: PicturedSolution, stresses: StressFields) -> str
         f"Largest nodal values: {MPA * stresses.groove_patches[0].von_mises.max():.0f} MPa in the groove and "
         f"{MPA * stresses.ball_patches[0].von_mises.max():.0f} MPa in the ball. Closed form, half-space under Hertz "
         "pressure: "
-        f"{MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
+        f"{MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of Hertz's peak pressure), {1e6 * at:.0f} µm below the surface."
     )
 
 

@@ -298,7 +298,7 @@ def centreline_displacement_figure(cache: SceneResultCache, references: Referenc
 
 
 def lin_model_gate_paragraph(references: References, cache: SceneResultCache) -> str:
-    """Return the paragraph on the load errors of Lin's model as ``rollbench check`` (the gate) judges them.
+    """Return the paragraph on the load errors of Lin's model as ``rollbench check`` judges them.
 
     It states, for each scene, the largest error and the number of contacts beyond the limit. ``references``: 3D reference
     of each scene, by name of the scene.
@@ -313,7 +313,7 @@ def lin_model_gate_paragraph(references: References, cache: SceneResultCache) ->
             f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
-        f"Errors of Lin's model by the gate's rule ({RULE}; a contact counts as beyond the limit if its error minus the "
+        f"Errors of Lin's model by rollbench check ({RULE}; a contact counts as beyond the limit if its error minus the "
         f"uncertainty of the reference exceeds it): {'; '.join(worst)}. Number of known contacts beyond the limit: "
         f"{len(known_exceedances())}."
     )
@@ -357,7 +357,7 @@ def gate_exceedance_table(references: References, cache: SceneResultCache) -> Ta
                         "cause": causes.get((name, p.ball, p.side), "not listed as known: the gate fails"),
                     }
                 )
-    note = f"The gate's rule: {RULE}."
+    note = f"Errors are as rollbench check judges them: {RULE}."
     title = f"Contacts whose load by Lin's model differs from the 3D reference by more than {LIMIT:g} %"
     return Table.from_rows("reference-exceedances", title, rows, note)
 

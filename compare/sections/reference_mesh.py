@@ -37,8 +37,8 @@ References = Mapping[str, Reference]
 def _load_change_cells(load_changes: LoadError, number_format: str = ".2f") -> Row:
     """Return the table cells on the load changes that a changed choice of the 3D reference causes: largest, RMS, and ball.
 
-    ``load_changes``: the load changes, as errors of the changed run. ``number_format``: number format of the first two
-    cells.
+    ``load_changes``: the changes, as errors of the run with the changed choice against the unchanged run.
+    ``number_format``: number format of the first two cells.
     """
     return {
         TableColumn("max", "largest change of a load", "% of mean", number_format): load_changes.max_percent,

@@ -77,9 +77,9 @@ class LargestErrorWithRange:
 
     #: Largest error [%].
     error: float
-    #: Lower end of its range [%].
+    #: Lower end of the range of the largest error [%].
     low: float
-    #: Upper end of its range [%].
+    #: Upper end of the range of the largest error [%].
     high: float
 
 
@@ -97,7 +97,7 @@ class ErrorAndRunTime:
     rms: float
     #: Lower end of the range of ``error`` due to the mesh uncertainty [% of the mean load]; None with one mesh level.
     low: float | None
-    #: Upper end of this range [% of the mean load]; None with one mesh level.
+    #: Upper end of the range of ``error`` due to the mesh uncertainty [% of the mean load]; None with one mesh level.
     high: float | None
     #: Time in a new process with empty caches [s] (cold start); None: not measured.
     cold: float | None
@@ -109,7 +109,7 @@ class ErrorAndRunTime:
     memory: float | None
     #: Short name of the model or mesh level, for figures.
     name: str
-    #: Largest error as ``rollbench check`` (the gate) judges it.
+    #: Largest error as ``rollbench check`` judges it, in per cent of the load of each contact.
     gate: LargestErrorWithRange
     #: Status of the solver, such as "converged".
     status: str = "converged"
@@ -145,11 +145,11 @@ def largest_error_with_range(loads: Array, reference: Reference, scale: Array) -
 
 
 def errors_against_reference(loads: Array, reference: Reference) -> dict[str, Any]:
-    """Return the errors of contact loads against the 3D reference, as keyword arguments of a `ErrorAndRunTime`.
+    """Return the errors of contact loads against the 3D reference, as keyword arguments of `ErrorAndRunTime`.
 
     ``loads``: contact loads of n balls on the four groove flanks, (n, 4) [N]. ``reference``: the 3D reference. The values
     of the dictionary are the largest and the RMS error with the range of the largest one [% of the mean load] (error, rms,
-    low, high), and the largest error by the gate's rule (gate).
+    low, high), and the largest error as ``rollbench check`` judges it (gate).
     """
     e = load_error(loads, reference.load, reference.contacts)
     of_mean = largest_error_with_range(loads, reference, np.full(loads.shape, reference.mean))
@@ -178,14 +178,14 @@ def measure_run_times(
     Parameters
     ----------
     cache
-        Study that gives scenes and 3D references.
+        Source of scenes and 3D references.
     scene_names
         Names of the scenes.
     step
         Called with each line of progress.
     with_mesh_levels
-        Whether the mesh levels of the 3D reference are timed too, and the first solution of `FIRST` with interpreted and
-        with compiled kernels.
+        Whether the mesh levels of the 3D reference are timed too, and the first solution of the scene `FIRST` with
+        interpreted and with compiled kernels.
 
     Returns
     -------
@@ -222,11 +222,11 @@ def measure_command_times(step: Step) -> StoredRunTimes:
 
 
 def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | None:
-    """Return the run times that a report shows: stored ones or, if the study asks for it, newly measured ones.
+    """Return the run times that a report shows: stored ones or, if ``cache`` asks for it, newly measured ones.
 
-    A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the study's
-    first folder of stored runs. A quick study times the models only, and stores nothing. Returns None if the study is not
-    timed and no times are stored. ``step`` is called with each line of progress.
+    A new measurement times every model and mesh level on every compared scene (about an hour) and is written to the
+    first folder of stored runs. For a quick report only the models are timed, and nothing is stored. Returns None if no
+    times are to be measured and none are stored. ``step`` is called with each line of progress.
     """
     if not cache.measures_run_times:
         return load_run_times((*(cache.reference_folders or ()), shipped_store()))
@@ -239,7 +239,7 @@ def run_times_to_show(cache: SceneResultCache, step: Step) -> StoredRunTimes | N
 def references_of_compared_scenes(cache: SceneResultCache) -> dict[str, Reference]:
     """Return the 3D reference of every compared scene, by the scene's name.
 
-    These are the case studies and, unless the study is quick, the scenes that were chosen before they were solved in 3D.
+    These are the case studies and, unless the report is quick, the scenes that were chosen before they were solved in 3D.
     """
     return cache.stored_references(REFERENCED if cache.quick else (*REFERENCED, *UNSEEN))
 
@@ -284,7 +284,7 @@ def error_and_time_points(
     scene_reference
         3D reference of the scene.
     cache
-        Study that gives solutions and stored runs.
+        Source of solutions and stored runs.
     step
         Called with each line of progress.
     """
@@ -472,7 +472,7 @@ def cold_start_time_table_of_mesh_levels(run_times: StoredRunTimes) -> Table:
 
 
 def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
-    """Return two tables on the set-up of the 3D reference: processor time of its stages, and cheaper variants of it.
+    """Return two tables on the set-up of the 3D reference: processor time of each stage, and cheaper set-up variants.
 
     ``costs``: measured processor times and, for each cheaper variant, the saved time and the change of contact loads.
     """
@@ -531,7 +531,7 @@ def set_up_time_tables(costs: SetUpCosts) -> list[Table]:
 
 
 def _longest_stages_text(level: ColdLevelTime) -> str:
-    """Return as text the `DEAREST` longest stages in the set-up of a 3D mesh level, each with its seconds."""
+    """Return as text the longest stages (`DEAREST` in number) in the set-up of a 3D mesh level, each with its time [s]."""
     if level.stages is None:
         return "not measured"
     stages = sorted(level.stages.items(), key=lambda stage: -stage[1])
@@ -539,7 +539,7 @@ def _longest_stages_text(level: ColdLevelTime) -> str:
 
 
 def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> Table:
-    """Return the table of run times of the 3D reference on its finest mesh level over those of Lin's model.
+    """Return the table of run times of the 3D reference on its finest mesh level divided by those of Lin's model.
 
     The ratio is given for each scene, for a new process up to the loads and for a further load case of a known geometry.
     ``points_by_scene``: errors and run times by name of the scene. Raises ValueError if the times come from several
@@ -570,8 +570,8 @@ def run_time_ratio_table(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]
 def error_over_time_panel(scene_name: str, scene_points: Sequence[ErrorAndRunTime]) -> Panel:
     """Return the panel of the largest load error over the cold-start time of all models and mesh levels on one scene.
 
-    ``scene_name``: name of the scene, the title of the panel. ``scene_points``: errors and run times on it. Only converged
-    solutions with a measured time are drawn; bars show the range of the error due to the mesh uncertainty.
+    ``scene_name``: name of the scene, the title of the panel. ``scene_points``: errors and run times on this scene. Only
+    converged solutions with a measured time are drawn; bars show the range of the error due to the mesh uncertainty.
     """
 
     def series(label: str, points: Sequence[ErrorAndRunTime], style: str, *, emphasis: bool = False) -> Series:
@@ -644,7 +644,7 @@ def run_time_conditions_sentence(cache: SceneResultCache, step: Step) -> str:
 def run_time_items(cache: SceneResultCache, step: Step) -> list[Table | Figure]:
     """Return the tables and figures of the section on run times.
 
-    In a quick study, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
+    In a quick report, the tables on new processes, mesh levels, commands and set-ups are left out. ``step`` is called with
     each line of progress.
     """
     points, kept = cache.compute_once(errors_and_times_of_all_scenes, step), cache.compute_once(run_times_to_show, step)

@@ -1,4 +1,4 @@
-"""Report section with a data sheet for every scene that has a 3D reference: sketch, inputs, results, verdicts, errors."""
+"""Report section with a data sheet for every scene that has a 3D reference: sketch, inputs, results, errors of models."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ MODELS = (DEFAULT, "lin")
 
 LEGEND = (
     "Sketches are to scale near the nut. Hatched: surface that is fixed in the 3D reference; light: balls behind the "
-    f"axis. Verdicts are those of the gate at {LIMIT:g} %, {RULE}, for the stated inputs, which model and reference share. "
+    f"axis. Verdicts: rollbench check at {LIMIT:g} %, {RULE}, for the stated inputs, which model and reference share. "
     "u_val: uncertainty (95 %) of the error against a real screw, by mesh, modelling choices and input tolerances "
     "(section u-val)."
 )
@@ -161,7 +161,7 @@ WORDS = {"pass": "passes", "fail": "fails", "undecided": "is undecided at"}
 
 
 def gate_verdicts_by_model(cache: SceneResultCache, name: str, reference: Reference) -> dict[str, Verdict]:
-    """Return the verdict of ``rollbench check`` (the gate) on each model's contact loads on a scene, by model name.
+    """Return the verdict of ``rollbench check`` on each model's contact loads on a scene, by model name.
 
     ``name``: name of the scene. ``reference``: its 3D reference.
     """
@@ -209,8 +209,8 @@ def data_sheet_table(
     """Return the table of a scene's data sheet: each quantity by the 3D reference and by the models, with their errors.
 
     ``validated_errors``: errors by model and quantity. ``gate_verdicts_of_models``: verdicts of ``rollbench check`` on the
-    contact loads, by model. For contact loads only the errors are shown (by the gate's rule, and in per cent of the mean
-    load), because the worst contact differs from model to model.
+    contact loads, by model. For contact loads only the errors are shown (as ``rollbench check`` judges them, and in per
+    cent of the mean load), because the worst contact differs from model to model.
     """
     answers = {"3D reference": solution_from_run(reference.best, "")}
     answers |= {model: solution_from_result(cache.solve_once(scene.name, model)) for model in MODELS}

@@ -71,7 +71,7 @@ class PrintedLayout:
 
     @property
     def significant_digits(self) -> int:
-        """Number of significant digits of the printed number with most digits, but at least five."""
+        """Largest number of significant digits of a printed number in the table, but at least five."""
         texts = (printed_entry(*name.split(":")).number_as_printed.partition("e")[0] for name in self.names)
         return max(5, *(len(text.replace(".", "").lstrip("-0")) for text in texts))
 
@@ -360,7 +360,7 @@ def printed_input_table(layout: PrintedLayout, evidence_by_name: Mapping[str, Pr
 def tables_on_computation_of_numbers(file_names: Iterable[str]) -> Iterator[Table]:
     """Yield, for each file of printed numbers, a table that states how the numbers are computed.
 
-    It has scenes, function, test and command. ``file_names``: names of the files.
+    Each table names the scenes, the function, the test and the command. ``file_names``: names of the files.
     """
     for name in file_names:
         one = all_computations()[name]
@@ -455,7 +455,7 @@ def _reproduced_counts_row(place: str, entries: Sequence[PrintedEntryComparison]
 def tables_of_printed_numbers(
     number_files: Sequence[str], layouts: Sequence[PrintedLayout], evidence_by_name: Mapping[str, PrintedEntryComparison]
 ) -> Iterator[Table]:
-    """Yield the report's tables of all numbers of a publication that certain files of printed numbers contain.
+    """Yield the report's tables on those numbers of a publication that are in certain files of printed numbers.
 
     Each table of the publication with a layout is yielded in this layout and with a row per number; then follow the numbers
     and claims of the publication's text.

@@ -1,4 +1,4 @@
-"""Report section on the effect of ball grade, pitch error, roundness and misalignment on the largest load in case 3."""
+"""Report section on how ball grade, pitch error, roundness and misalignment affect the largest load in Lin's case 3."""
 
 from __future__ import annotations
 

@@ -200,7 +200,7 @@ def _load_errors_near_nut_faces(cache: SceneResultCache) -> dict[str, Array]:
 
 
 def check_uncertainty_of_all_mesh_levels(cache: SceneResultCache) -> list[MeshUncertaintyTest]:
-    """Test the mesh uncertainty of every coarser mesh level of every compared scene by the loads on its finest level.
+    """Test the mesh uncertainty of all coarser mesh levels of each compared scene by the loads on its finest level.
 
     Returns an empty list if 3D runs are missing.
     """
@@ -208,7 +208,7 @@ def check_uncertainty_of_all_mesh_levels(cache: SceneResultCache) -> list[MeshUn
 
 
 def check_uncertainty_of_mesh_levels(cache: SceneResultCache, levels: tuple[int, ...]) -> list[MeshUncertaintyTest]:
-    """Test, for each scene, the mesh uncertainty estimated from given mesh levels by the loads on its finest level.
+    """Test the mesh uncertainty estimated from given mesh levels by the loads on each scene's finest level.
 
     ``levels``: the given mesh levels. Scenes that were solved on these levels and on a finer one are tested.
     """
@@ -227,8 +227,8 @@ def _test_uncertainty_of_scenes(
 ) -> list[MeshUncertaintyTest]:
     """Test mesh uncertainties of all scenes by the contact loads on the finest mesh level of each scene.
 
-    ``choose_level_groups``: function of a scene's contact loads by mesh level; it returns the groups of levels from each of
-    which an uncertainty is estimated and tested. Returns an empty list if 3D runs are missing.
+    ``choose_level_groups``: function of a scene's contact loads by mesh level; it returns groups of levels, and
+    one uncertainty is estimated from each group and tested. Returns an empty list if 3D runs are missing.
     """
     scenes, sockets = loads_by_scene_and_level(cache), load_scatter_by_patch_cutouts(cache)
     if sockets is None or len(scenes) < len(UNSEEN):

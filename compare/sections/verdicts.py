@@ -1,4 +1,4 @@
-"""Report sections on all printed numbers and claims with their verdicts, and on misprints of each publication.
+"""Report sections on the numbers and claims that publications print, whether they are reproduced, and on misprints.
 
 The tables that compare printed with computed values are made here for all pages.
 """

@@ -91,9 +91,9 @@ def hertz_computation_with_errors(label: str, run: HertzContactSolution) -> Hert
 def compute_hertz_contacts(
     step: Callable[[str], None], cell_counts: Mapping[str, Sequence[float]]
 ) -> list[HertzComputation]:
-    """Compute both Hertz contacts in 3D on meshes of every element type, and on a mesh like that of Lin's thesis.
+    """Compute two Hertz contacts in 3D on meshes of every element type, and on a mesh like that of Lin's thesis.
 
-    The contacts are a ball on a flat and a ball in a groove.
+    The two contacts are a ball on a flat and a ball in a groove.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def error_target_sentences(computations: Sequence[HertzComputation]) -> list[str
 
 
 def _error_target_sentence(computation: HertzComputation) -> str:
-    """Return the sentence that states the errors against Hertz on the mesh `PRODUCTION`, and if they are within `TARGETS`.
+    """Return the sentence on the errors against Hertz on the mesh `PRODUCTION`, and whether they are within `TARGETS`.
 
     ``computation``: computation of one Hertz contact on this mesh.
     """
@@ -176,7 +176,7 @@ STAGES = {"mesh": "meshing"}
 
 
 def mesh_cells_of_row(computation: HertzComputation) -> Row:
-    """Return the first cells of a table row on a computed Hertz contact: job, mesh, cells across the short semi-axis (b/h).
+    """Return the first cells of a table row on a Hertz contact: its name, mesh, cells across the short semi-axis (b/h).
 
     ``computation``: computation of one Hertz contact on one mesh.
     """
@@ -206,7 +206,7 @@ def hertz_error_row(computation: HertzComputation) -> Row:
 
 
 def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) -> list[Row]:
-    """Return table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, pole pressure of each contact.
+    """Return table rows that compare the mesh `PRODUCTION` with Hertz: approach, semi-axes, peak pressure of each contact.
 
     ``computations``: computations on all meshes.
     """
@@ -237,7 +237,7 @@ def rows_of_computed_and_hertz_values(computations: Sequence[HertzComputation]) 
 
 
 def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Figure:
-    """Draw the errors of approach and pole pressure against Hertz over the number of unknowns and over run time.
+    """Draw the errors of approach and peak pressure against Hertz theory, plotted over unknowns and over run time.
 
     ``computations``: computations on all meshes. ``job``: name of the Hertz contact, "A" (ball on a flat) or "B" (ball in a
     groove).
@@ -261,7 +261,7 @@ def hertz_error_figure(computations: Sequence[HertzComputation], job: str) -> Fi
             panels.append(Panel(title, unit, "error [%]", curves, log_axes="xy"))
     return Figure(
         f"verification-{job}",
-        f"Error of the 3D contact against Hertz theory over unknowns and run time: {WHAT[job]} (job {job})",
+        f"Error of the 3D contact against Hertz theory, plotted over unknowns and run time: {WHAT[job]} (job {job})",
         panels,
         caption=(
             "Absolute errors; a minimum is a change of sign. Errors below 0.001 % are drawn at that value. Pressures at "

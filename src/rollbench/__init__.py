@@ -7,10 +7,11 @@
 
 ``read`` reads a scene, and ``new`` makes one. ``solve`` solves a scene with a low-order model, ``side_by_side`` compares
 several scenes, ``load_curve`` solves a range of loads, and ``friction`` computes torque and efficiency. ``compare_models``
-compares models with the 3D reference, which ``mesh_study`` solves on several meshes, and ``check`` judges loads against it.
-``ensemble`` solves many specimens with random errors. ``sweep`` and ``table`` vary parameters of a scene, ``survey`` judges
-a model on randomly drawn screws, and ``report`` writes a report. Results are immutable records in SI units. Notebooks show
-them as tables, and ``to_dict()`` gives the JSON that the commands print. ``python -m rollbench`` is the command line.
+compares models with the 3D reference, and ``mesh_study`` solves this reference on several meshes. ``check`` judges contact
+loads against it. ``ensemble`` solves many specimens with random geometric errors. ``sweep`` and ``table`` vary parameters
+of a scene, ``survey`` compares a model with the 3D reference on randomly drawn screws, and ``report`` writes a report.
+Results are immutable records in SI units. Notebooks show them as tables, and ``to_dict()`` gives the JSON that the commands
+print. ``python -m rollbench`` is the command line.
 
 The folders compare, lowfi, hifi, meshes and reports of the repository are subpackages of this package.
 """

@@ -41,7 +41,7 @@ class RollbenchFixture:
         store: str | Path = "rollbench-reference",
         compute: bool = True,
     ) -> list[Verdict]:
-        """Judge a scene by the gate, and fail the test unless every verdict is "pass".
+        """Judge a scene as ``rollbench check`` does, and fail the test unless every verdict is "pass".
 
         The test also fails if a verdict is "undecided" or "not covered", and if an argument or a file is not valid.
 
