@@ -53,7 +53,7 @@ from rollbench.meshes.surface import ALL, groove_radius_with_slopes, principal_c
 
 
 def curvature_changes(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array) -> Array:
-    """Return the change of the relative curvatures of ball and flanks by errors of ball radius, groove radius and profile.
+    """Return the changes of relative curvature between ball and flank by errors of ball radius, groove radius and profile.
 
     The groove's curvature is evaluated on its profile at the nominal contact angle.
 
@@ -95,7 +95,9 @@ def oblique_pressure_coefficient(constants: HertzConstants, ball_radius: float) 
     """Return the coefficient h [m/N^(4/3)] of the term h F^(4/3) that oblique pressure adds to a contact's approach.
 
     F is the contact force [N]. On a curved surface, the pressure at the edge of the contact ellipse acts at an angle to the
-    contact's normal, which Hertz's theory neglects; equation (2) of the module.
+    contact's normal, which Hertz's theory neglects. With the Hertz constant C, the semi-axes a and b of the contact
+    ellipse and the ball's radius r, the term is C F^(2/3) 7 (a^2 + b^2)/(30 r^2), because a^2 and b^2 are proportional
+    to F^(2/3).
 
     Parameters
     ----------
@@ -186,7 +188,7 @@ def _cached_curvatures(bare: Scene) -> Array:
 def hertz_with_errors(scene: Scene, drawn: GeometryWithErrors, ball_radius: Array | None = None) -> HertzConstants:
     """Return the Hertz constants ``(..., N, 4)`` of every contact from its radii with errors, at the nominal contact angle.
 
-    The effect of an oversized ball is equation (1) of the module.
+    An oversize e of a ball of radius r thus acts as an approach e with both relative curvatures reduced by e/r^2.
 
     Parameters
     ----------
@@ -321,7 +323,7 @@ def misprinted_hertz_of_flanks(scene: Scene) -> tuple[PrintedHertzConstants, Pri
     ball = scene.balls.material
 
     def hertz_of(side: int, body: Material) -> PrintedHertzConstants:
-        """Return the Hertz constants of one flank by Lin's Table B.1; ``body``: material of the screw or nut."""
+        """Return the Hertz constants of flank number ``side`` by Lin's Table B.1; ``body``: material of screw or nut."""
         modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_principal_radii(bare, drawn, side, gamma)[0]
         return hertz_constants_as_printed(scene.balls.radius, (float(low), float(high)), modulus)

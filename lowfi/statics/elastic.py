@@ -146,7 +146,7 @@ class ElasticEquations(SingleNutEquations):
         return (ContactState(problem, contact, p, moved),)
 
     def forces_on_flanks(self) -> Array:
-        """Return the forces of the balls on all flanks ``(N, 4, 2)`` [N]."""
+        """Return the forces of the balls on all flanks ``(N, 4, 2)`` [N], radial and along the helix's binormal."""
         pair, contact = self.only_flank_pair, self.state.contact
         pushes = contact[..., 0, None] * contact[..., 1:3]
         if pair is None:
@@ -195,7 +195,8 @@ class ElasticEquations(SingleNutEquations):
     def solved_state(self) -> SolvedState:
         """Return the solution: motions, contact forces and support reactions.
 
-        Motions of the beam's nodes and reactions are no unknowns of the equations; they follow from the contact forces.
+        Neither the motions of the beam's nodes nor the reactions are unknowns of the equations; both follow from the
+        contact forces.
         """
         problem, squeeze = self.problem, self.flank_compliance.section_force_coupling
         used = [s for s in range(2) if problem.used_flanks[s]]
@@ -233,7 +234,7 @@ class ElasticEquations(SingleNutEquations):
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticInput(StaticInput):
-    """Input from which a ball screw's static problem with elastic bodies is built, also with other flanks."""
+    """Input from which a ball screw's static problem with elastic bodies is built, and can be rebuilt with more flanks."""
 
     #: Method by which the compliance of screw, nut and balls is computed.
     backend: ComplianceModel = REFINED
@@ -363,7 +364,7 @@ def solve_elastic(
 class SpecimensWithSharedEquations:
     """Solver for specimens of a ball screw that differ only in the random radii of their balls and so share equations.
 
-    The function `shared` returns whether the specimens of a scene differ in nothing else.
+    The function `can_share_equations` tells whether this holds for the specimens of a scene.
     """
 
     def __init__(
@@ -437,8 +438,9 @@ class SpecimensWithSharedEquations:
         used_flanks
             Which of the flanks SL, SR, NL, NR have contacts ``(4,)``.
         radii_distances_interference_hertz
-            Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the first
-            four arguments of `_SharedEquations.solve`, whose result is returned.
+            Ball radii, distances of ball and groove centres, interferences and Hertz constants of the specimen: the
+            first four arguments of `_SharedEquations.solve`. The result of that method is returned: contact loads
+            ``(N, 4)`` [N], relative residual, and work of the external loads [J].
         """
         system, key = self._equations_for_flanks(used_flanks), (number, used_flanks.tobytes())
         if system is None:

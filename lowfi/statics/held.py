@@ -36,7 +36,7 @@ class UnresistedMotions:
     #: Description of the motion in words, for the user; empty if there is none.
     description: str
     #: Numbers (0 to 5) of the degrees of freedom of the first node to fix; for a rigid screw, of its coordinates (columns
-    #: of `Problem.basis`).
+    #: of `Problem.rigid_motion_basis`).
     pins: tuple[int, ...] = ()
     #: Whether nothing can twist the shaft: its grooves have no lead, and no moment about the axis acts.
     no_torsion: bool = False

@@ -69,7 +69,7 @@ class MotionState(NamedTuple):
 
 
 class SpecimenArrays(NamedTuple):
-    """Arrays of m specimens of one screw with different manufacturing errors, in place of those in `BeamContacts`."""
+    """Arrays of m specimens of one screw with different manufacturing errors; they replace fields of `BeamContacts`."""
 
     #: Motions of the flanks per unit motion of the nodes (m, N, 2, 2, 6); (1, N, 2, 2, 6) if all specimens share them.
     B: Array
@@ -176,10 +176,11 @@ class AxisArrays(NamedTuple):
     springs: Array
     #: Position (r,) of each body in the order in which the stiffness matrix is factored.
     body_order: Array
-    #: Column (6 r,) of the first stored coefficient in each row of the stiffness matrix, in the order of ``place``.
+    #: Column (6 r,) of the first stored coefficient in each row of the stiffness matrix, in the order of
+    #: ``body_order``.
     first_columns: Array
-    #: Offset (6 r + 1,) of each row in the array of stored coefficients: row i, column j is at start[i] + j; the last value
-    #: is the number of coefficients.
+    #: Offset (6 r + 1,) of each row in the array of stored coefficients: row i, column j is at row_offsets[i] + j; the
+    #: last value is the number of coefficients.
     row_offsets: Array
 
 
@@ -265,7 +266,7 @@ class ElasticBodies(NamedTuple):
     #: Compliance matrix G [m/N] of the flanks of the screw (4 N, 4 N), or of screw and nut together for one diagonal pair
     #: of flanks (2 N, 2 N).
     first_compliance: Array
-    #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first`` contains both.
+    #: Compliance matrix G [m/N] of the flanks of the nut (4 N, 4 N); empty if ``first_compliance`` contains both.
     second_compliance: Array
     #: Motions of the flanks (N, d, k) per metre of each free rigid motion; a rotation's amplitude is angle times a length.
     R: Array
@@ -317,7 +318,7 @@ class BallContacts(NamedTuple):
     unloaded_force_limit: float
 
 
-#: Field ``local`` of a ball that is rigid apart from its Hertz contacts, see `lowfi.statics.kernel.ball`.
+#: Field ``compliance_terms`` for a ball that is rigid apart from its Hertz contacts (array ``local`` in `kernel.ball`).
 RIGID = np.zeros((0, 3))
 #: Contact data without rollers.
 NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))

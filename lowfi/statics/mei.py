@@ -1,7 +1,7 @@
-"""Mei's axial model (Mei et al. 2003, as used in Lin 2.4.1): the screw is a row of bars, contact directions are constant.
+"""Mei's axial model (Mei et al. 2003; Lin's thesis, 2.4.1): the screw is a row of bars, contact directions are constant.
 
-It is the model with which Lin compares case study 1. It has no bending, no twist and no change of contact angles, so that
-contact loads under an axial load decrease monotonically along the nut.
+Lin compares his own model with it in case study 1. Mei's model has no bending, no twist and no change of contact
+angles, so that contact loads under an axial load decrease monotonically along the nut.
 """
 
 from __future__ import annotations

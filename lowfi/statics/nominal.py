@@ -134,15 +134,15 @@ def nominal_scene(scene: Scene) -> Scene:
 
 
 def nominal_contacts(scene: Scene, solved: StaticResult | None = None) -> int:
-    """Return the number of loaded contacts of a scene without errors (but preload); 0 without load or equilibrium.
+    """Return the number of loaded contacts of a scene without errors except preload; 0 without load or equilibrium.
 
     Parameters
     ----------
     scene
         Screw, nut, balls, supports and loads.
     solved
-        Converged result of the scene. Its contacts are counted if it is of the model lin and the scene has no errors except
-        preload, which saves a solve.
+        Converged result of the scene. If it is by the model lin, and the scene has no errors except preload, its loaded
+        contacts are counted, which saves a solve.
     """
     bare = nominal_scene(scene)
     if solved is not None and solved.model == "lin" and bare == replace(scene, name="", title="", assumed=()):

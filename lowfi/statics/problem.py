@@ -210,7 +210,7 @@ def flank_motion_matrix(
 
     The motion is e . (u + theta x r), with displacement u and rotation theta of the body, lever arm r, and each of the two
     axes e of the ball's section plane. The arm ends at the groove's centre of curvature, because the force on a circular
-    arc always acts through it. With the scene's lever arm "nominal", r ends at the nominal contact point instead.
+    arc always acts through it. If the scene's key ``arm`` is "nominal", r ends at the nominal contact point instead.
 
     Parameters
     ----------
@@ -266,8 +266,8 @@ def point_motion_matrix(layout: BallLayout, r: Array) -> Array:
 def flank_motions_of_specimens(problem: Problem, centre: Array) -> Array:
     """Return the motions of the screw's flanks per unit motion of the beam's nodes, for k specimens with groove errors.
 
-    They take the place of `Problem.B`. The axes of the result are specimen, ball, screw flank (SL, SR), component in the
-    ball's section plane, and node motion. Specimens differ in their lever arms, which end at the centres of groove arcs.
+    The result replaces `Problem.B`. Its axes are specimen, ball, screw flank (SL, SR), component in the ball's section
+    plane, and node motion. Specimens differ in their lever arms, which end at the centres of groove arcs.
 
     Parameters
     ----------
@@ -474,7 +474,7 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class SupportContradiction:
-    """Contradiction between supports of a rigid screw: a prescribed displacement that others imply to be different."""
+    """Contradiction between supports of a rigid screw: one prescribes another displacement than others imply."""
 
     #: The contradicted degree of freedom with its prescribed value.
     contradicted: PrescribedMotion
@@ -538,7 +538,7 @@ def support_constraints(scene: Scene) -> tuple[Array, Array, list[PrescribedMoti
 
 
 def find_support_contradiction(scene: Scene) -> SupportContradiction | None:
-    """Return the first prescribed displacement of a rigid screw that contradicts earlier supports in the scene, if any.
+    """Return the first prescribed displacement of a rigid screw that contradicts earlier supports; None without one.
 
     Parameters
     ----------
@@ -547,7 +547,7 @@ def find_support_contradiction(scene: Scene) -> SupportContradiction | None:
 
     Returns
     -------
-    Contradiction | None
+    SupportContradiction | None
         None if all supports agree.
     """
     rows, values, held = support_constraints(scene)

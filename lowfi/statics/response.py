@@ -82,8 +82,8 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
 
     The matrix holds the compliance in addition to the one that Hertz's law contains; near a fixed face it is negative. The
     missing compliance is added to the body along the contact's normal and must be subtracted from the contact's law, so
-    that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved; what stays negative is set
-    to zero.
+    that the sum is exact. At most the share `LENT` of a contact's tangent compliance is moved from its law to the body;
+    eigenvalues that stay negative are set to zero.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def without_negative_eigenvalues(G: Array, normals: Array, tangent_compliance: f
 
 
 class ContactCompliance:
-    """Compliance matrix of a body between n contacts, and how to make it positive; it must not be changed."""
+    """Compliance matrix of a body between n contacts (read-only), with methods that remove its negative eigenvalues."""
 
     def __init__(self, G: Array, normals: Array) -> None:
         """Store the compliance matrix ``G`` ``(2 n, 2 n)`` [m/N] and the unit ``normals`` of the contacts ``(n, 2)``."""
@@ -129,7 +129,7 @@ class ContactCompliance:
 
     @cached_property
     def with_missing_compliance(self) -> tuple[ContactCompliance, float]:
-        """Return the compliance with the amount `lacks` added along the contacts' normals, without negative eigenvalues.
+        """Return the compliance with `missing_compliance` added along the contacts' normals, without negative eigenvalues.
 
         The second entry is the magnitude [m/N] of the largest negative eigenvalue that remained and was set to zero; zero
         if there was none.
@@ -150,7 +150,7 @@ class ContactCompliance:
 
         Returns
         -------
-        tuple[Compliance, float]
+        tuple[ContactCompliance, float]
             The positive compliance, and the magnitude of the largest negative eigenvalue that was set to zero [m/N].
         """
         contact, G = np.arange(lent.size), self.G.copy()
@@ -262,7 +262,7 @@ class ScrewAndNutCompliance:
     ball_compliance: BallCompliance
     #: Coefficient e of a contact at each flank ``(4,)`` [m/N], for the contact ellipse under 1 N.
     e: Array
-    #: Coefficient h of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part that follows from ``slope``.
+    #: Coefficient h of a contact at each flank ``(4,)`` [m/N^(4/3)], without the part that follows from ``slope_of_e``.
     h: Array
     #: Derivative of e by the logarithm of the size of the contact ellipse, at each flank ``(4,)`` [m/N].
     slope_of_e: Array
@@ -272,7 +272,7 @@ class ScrewAndNutCompliance:
 
 @dataclass(frozen=True)
 class _ComplianceInput:
-    """Input of a compliance computation, as the argument of a cached function; requests with an equal ``key`` are equal."""
+    """Input of a compliance computation, as argument of a cached function; inputs with the same ``key`` count as equal."""
 
     key: tuple[object, ...]
     problem: Problem = field(compare=False)

@@ -42,8 +42,8 @@ def choose_flanks(
     """Return which of the flanks SL, SR, NL, NR (screw left, ..., nut right) get contacts in the equations ``(4,)``.
 
     A diagonal pair of flanks is left out if no ball has interference with it and the axial load opens it. This is a guess:
-    every ball of the solution is tested against all four flanks. If one touches the pair, the problem is solved again with
-    the pair. Since the energy is convex, a pair that no ball touches in the solution would not change it.
+    every ball of the solution is tested against all four flanks. If a ball touches the pair, the problem is solved
+    again with it. Since the energy is convex, a pair that no ball touches in the solution would not change it.
 
     Parameters
     ----------

@@ -421,11 +421,12 @@ class JumpsInsideStretches:
 
 @dataclass(frozen=True)
 class SectionForceCoupling:
-    """Coupling between contact deformation and section forces of a shaft with n nodes and c flanks, equation (2).
+    """Coupling between contact deformation and section forces of a shaft: equation (2) of the module.
 
-    Section forces of the shaft deform the grooves and so move the flanks; contact forces in turn strain the shaft. Each cut
-    through which load passes contributes 6 components of section force and moment ("wrench"), W in all. The module
-    describes cuts and the jumps of the motion there. Only ``moved`` and ``given`` depend on the external loads.
+    The shaft has n nodes, and c flanks under the balls. Its section forces deform the grooves and so move the flanks;
+    contact forces in turn strain the shaft. Each cut through which load passes contributes 6 components of section
+    force and moment ("wrench"), W in all. The module describes cuts and the jumps of the motion there. Only
+    ``flank_motions_by_loads`` and ``jumps_by_external_loads`` depend on the external loads.
     """
 
     #: Compliance ``(2 c, 2 c)`` [m/N] of the flanks by the coupling, in addition to that of beam and bodies.

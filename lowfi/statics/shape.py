@@ -147,7 +147,7 @@ def beam_shape_functions(xi: Array, length: Array, section: BeamSection, order: 
     ]
 
     def at(*coefficients: Array | float) -> Array:
-        """Return the value at xi of a polynomial, or of its derivative of the given order; lowest power first."""
+        """Return the value at xi of a polynomial (``coefficients``: lowest power first), or of its derivative ``order``."""
         return sum((c * p for c, p in zip(coefficients, powers[: len(coefficients)], strict=True)), start=zero)
 
     n = np.zeros((xi.size, 6, 12))

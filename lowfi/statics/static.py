@@ -266,7 +266,7 @@ def beam_equations(
 
 @dataclass(frozen=True)
 class StaticInput:
-    """Input from which a ball screw's static problem is built, also with other flanks or lever arms of contact forces."""
+    """Input from which a ball screw's static problem is built, and can be built again with other flanks or lever arms."""
 
     #: Scene: screw, nut, balls, supports and loads.
     scene: Scene
@@ -370,13 +370,13 @@ def solve_with_chosen_flanks(problem_input: StaticInput) -> SolvedEquations | Un
     Parameters
     ----------
     problem_input
-        Input of the problem; its ``use`` gives the chosen flanks.
+        Input of the problem; its field ``used_flanks`` holds the chosen flanks.
 
     Returns
     -------
-    Solution | UnrestrainedProblem
-        The state where the solver ended, converged or not; `UnrestrainedProblem` if the load drives a motion that nothing
-        resists, so that nothing was solved.
+    SolvedEquations | UnrestrainedProblem
+        The equations at the state where the solver ended, converged or not; `UnrestrainedProblem` if the load drives a
+        motion that nothing resists, so that nothing was solved.
     """
     notes: tuple[str, ...] = ()
     while True:
@@ -437,7 +437,7 @@ def solve_static(
 
     References
     ----------
-    Lin (2019), 2.23 to 2.25.
+    Lin (2019), equations 2.23 to 2.25.
 
     Examples
     --------
@@ -541,7 +541,7 @@ def pin_free_motions(problem: Problem, mechanism: UnresistedMotions, use_alterna
     mechanism
         Motions that nothing resists, and the degrees of freedom that can be pinned.
     use_alternative_pins
-        Whether to pin the alternative degrees of freedom ``mechanism.others`` instead of the first choice
+        Whether to pin the degrees of freedom ``mechanism.alternative_pins`` instead of the first choice
         ``mechanism.pins``.
     """
     chosen = mechanism.alternative_pins if use_alternative_pins else mechanism.pins

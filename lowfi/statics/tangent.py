@@ -48,7 +48,7 @@ class TangentStiffness:
     status: str
 
     def rigidity(self, freedom: str) -> float:
-        """Return the stiffness along one motion: force or moment per unit, with rz fixed and all other motions free.
+        """Return the stiffness along one motion: force or moment per unit of it, with rz fixed and all other motions free.
 
         It is zero if nothing resists the motion.
 

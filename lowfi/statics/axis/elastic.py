@@ -685,7 +685,7 @@ def solve_assembly_with_elastic_bodies(
         return replace(result, model=name, left_out=(*result.left_out, *rigid))
 
     def made_ready(system: AssemblyArrays, kernels: ModuleType) -> ElasticAssemblyEquations:
-        """Return the equations of an assembly with elastic bodies, whose compliance the given backend computes."""
+        """Return the equations of an assembly with elastic bodies, whose compliance ``backend`` computes."""
         return elastic_assembly_equations(system, backend, kernels)
 
     again = partial(solve_assembly_with_elastic_bodies, engine=engine, member=member, backend=backend, name=name)
@@ -694,6 +694,6 @@ def solve_assembly_with_elastic_bodies(
 
 
 def sentences_on_rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """Return a sentence for each roller bearing and each inner ring in a housing whose elasticity the model neglects."""
+    """Return a sentence for each roller bearing, and each inner ring on a housing, that the model takes as rigid."""
     rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
     return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)

@@ -49,8 +49,8 @@ class UnrestrainedMotions:
 def unrestrained_motions(system: AssemblyArrays) -> UnrestrainedMotions:
     """Return the rigid motions of shaft and housings that no support, spring, ball or roller resists.
 
-    They are found from the motions of the bodies at the balls' centres in place of the motions of the flanks, for the
-    reason given in `lowfi.statics.held.free_motions`.
+    They are found from the motions of the bodies at the balls' centres, where a screw motion along the helix is exactly
+    free. At the contact points, the planar sections of the model would seem to resist it.
     """
     s = system.structure
     motions = rigid_motions(s, system.moment_arm)

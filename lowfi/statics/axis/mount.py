@@ -35,7 +35,8 @@ TIED = diagonal_stiffness((1e12, 1e12, 0.0, 1e9, 1e9, 1e9))
 class _PreloadTask:
     """Input of the search for preload offsets: an assembly without loads, and the function that solves it.
 
-    It is the argument of the cached function `_find_preload_shifts`; an equal assembly and ``key`` give the cached result.
+    It is the argument of the cached function `_find_preload_shifts`; the same assembly and ``solver_identification``
+    give the cached result.
     """
 
     #: Assembly without loads and without thermal expansion.

@@ -2,8 +2,9 @@
 
 This module contains Lin's model ("lin"); the model with elastic bodies is in `lowfi.statics.axis.elastic`.
 
-Flanks that load and preload lift off the balls are left out, which saves shaft nodes and rows of the matrix. As the energy
-is convex, the solution without these flanks is also the solution with them, provided that no ball touches them in it.
+Flanks that lift off the balls under load and preload are left out, which saves shaft nodes and rows of the matrix. As
+the energy is convex, the solution without these flanks is also the solution with them, provided that no ball of this
+solution touches them.
 """
 
 from __future__ import annotations
@@ -122,7 +123,8 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
     ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
     SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``scene``: dimensions of the ball nut or
     bearing; ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the
-    first is returned; otherwise all flanks that the direction of thrust can load.
+    first is returned; otherwise all flanks that can be loaded by thrust in the direction which the nut or bearing
+    carries.
     """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:
@@ -138,8 +140,8 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
 def are_balls_clear_of_left_out_flanks(system: AssemblyArrays, state: MotionState) -> bool:
     """Return whether no ball of the solved assembly touches a flank that was left out of its equations.
 
-    Only flanks that the direction of thrust of a ball nut or bearing can load are examined. ``system``: arrays of the
-    assembly; ``state``: solved motions, ball centres and contacts.
+    A flank is examined only if thrust in the direction which its nut or bearing carries can load it. ``system``: arrays
+    of the assembly; ``state``: solved motions, ball centres and contacts.
     """
     return all(
         _is_set_clear_of_left_out_flanks(system, b, state)
@@ -179,12 +181,12 @@ def _left_out_flank_motion(system: AssemblyArrays, ball_set: BallSet, flank: int
 
 
 def flanks_by_thrust_direction(assembly: Assembly) -> list[Mask]:
-    """Return for each ball nut or ball bearing which of its flanks SL, SR, NL, NR its direction of thrust can load."""
+    """Return for each ball nut or ball bearing which flanks SL, SR, NL, NR can be loaded by thrust in its direction."""
     return [USE[s.thrust] for s in assembly.sets if isinstance(s.parts, Scene)]
 
 
 def uses_all_flanks(uses: Sequence[Mask], assembly: Assembly) -> bool:
-    """Return whether the equations contain all flanks that the directions of thrust can load.
+    """Return whether the equations contain all flanks that thrust in the direction of their nut or bearing can load.
 
     ``uses``: for each ball nut or ball bearing, which of its four flanks the equations contain.
     """
@@ -545,8 +547,9 @@ def solve_assembly_by_model(
 def kernels_for_assembly(assembly: Assembly, engine: Engine) -> ModuleType:
     """Return the module of numerical kernels, compiled or interpreted, that suits the size of an assembly.
 
-    ``engine``: the user's choice, see `pick_engine`. The size counts the balls, the rollers' slices at a quarter each, and
-    a further solve for each preload.
+    ``engine``: the user's choice, see `pick_engine`. The size is the number of balls plus a quarter of the number of
+    roller slices. It is multiplied by one plus the number of preload forces, because each preload force takes further
+    solves.
     """
     slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
     preloads = sum(s.preload > 0.0 for s in assembly.sets)

@@ -97,7 +97,7 @@ def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
 
 
 def first_ball_nut(assembly: Assembly) -> Scene | None:
-    """Return the first ball nut of an assembly, whose thread determines the shaft's section; None without a ball nut."""
+    """Return the first ball nut of an assembly, whose thread determines the shaft's cross-section; None: no ball nut."""
     for s in assembly.sets:
         if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
             return s.parts
@@ -189,7 +189,7 @@ def _springs(assembly: Assembly, moving_housings: list[Housing], row: dict[str, 
     Returns
     -------
     tuple[Ints, Array, Array]
-        Fields ``ends``, ``reach`` and ``springs`` of `Structure`.
+        Fields ``spring_bodies``, ``spring_end_matrices`` and ``springs`` of `Structure`.
     """
     at = {h.name: h.at for h in moving_housings}
     unit, none = np.eye(6), np.zeros((6, 6))
@@ -206,7 +206,7 @@ def _springs(assembly: Assembly, moving_housings: list[Housing], row: dict[str, 
 
 
 def largest_spring_force_term(structure: Structure, q: Array, arm: float) -> float:
-    """Return the largest spring force [N] that results if all its terms, stiffness times motion, had the same sign.
+    """Return the largest spring force [N] that would result if all its terms (stiffness times motion) had the same sign.
 
     The round-off error of the spring forces is proportional to it. If two housings joined by a stiff spring move far
     together, the spring force itself is a small difference of large terms.

@@ -325,7 +325,7 @@ def _housing_result(
     """Return the result of one housing: its motion, the forces of supports and springs on it, and the unbalanced force.
 
     The unbalanced force is the sum of external load, reactions, spring forces, and forces of the bearings and nuts that the
-    housing carries, divided by the largest force.
+    housing carries, as a fraction of the largest force in the model.
 
     Parameters
     ----------

@@ -170,8 +170,8 @@ def build_assembly_arrays(
     member
         Number of the specimen: each number gives other random errors.
     flanks_in_use
-        For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that its
-        direction of thrust can load.
+        For each ball nut or ball bearing, which of its four flanks get contacts ``(4,)``. None: all flanks that can be
+        loaded by thrust in the direction which the nut or bearing carries.
     positions_and_errors
         Result of `ball_positions`, if it is known already.
     section

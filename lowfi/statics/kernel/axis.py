@@ -135,10 +135,10 @@ def add_ball_stiffness_in_loops(values: Array, axis: AxisArrays, balls: AxisBall
 
 @kernel
 def write_coupling_block(left: Array, h: Array, right: Array, block: Array) -> None:
-    """Write a ball's stiffness (6, 6) = left^T h right that couples the motions of two nodes or bodies to ``block``.
+    """Write to ``block`` the part (6, 6) = left^T h right of a ball's stiffness that couples the motions of two bodies.
 
-    left, right (2, 6 or more): motion of a groove flank by the motion of its node or body, in the first six columns; h (2,
-    2): stiffness of the ball between these two flanks [N/m].
+    left, right (2, 6 or more): motion of a groove flank by the motion of its body (or shaft node), in the first six
+    columns; h (2, 2): stiffness of the ball between these two flanks [N/m].
     """
     for j in range(6):
         x = left[0, j] * h[0, 0] + left[1, j] * h[1, 0]

@@ -263,7 +263,7 @@ def newton_step_of_elastic_ball(
 
 @kernel
 def interference_with_flank_pair(a: int, shift: Array, geometry: Array, closure: Array) -> float:
-    """Return the interference [m] of a ball between two opposite flanks a and 3 - a; negative for clearance.
+    """Return the interference [m] of a ball between two opposite flanks, numbers a and 3 - a; negative for clearance.
 
     shift (4, 2): motions of the flanks [m]; geometry (4, 9): contact data, see the module; closure (2,): nominal
     interference of the two pairs [m]. The result follows from the distance of the groove centres. Returns -1 if one of the
@@ -285,7 +285,7 @@ def interference_with_flank_pair(a: int, shift: Array, geometry: Array, closure:
 def solve_opposite_flank_pair(
     a: int, total_interference: float, p: Array, shift: Array, geometry: Array, contact: Array
 ) -> float:
-    """Solve a ball that touches only two opposite circular flanks, a and b = 3 - a, in closed form.
+    """Solve a ball that touches only two opposite circular flanks, with the numbers a and b = 3 - a, in closed form.
 
     total_interference: interference of the ball between the two flanks [m]; shift (4, 2): motions of the flanks [m];
     geometry (4, 9): contact data, see the module. The forces are equal and opposite, so the contacts share the interference

@@ -375,9 +375,9 @@ def solve_newton_step(given: BeamSystem, workspace: MotionWorkspace) -> None:
 def residual_at(given: Rows, state: MotionState, options: NewtonOptions, workspace: MotionWorkspace, scale: float) -> float:
     """Return the largest unbalanced force of the equilibrium equations as a fraction of ``scale`` [N].
 
-    Moments are divided by the length ``options.moment_arm``. Components of fixed motions do not count. In newtons if
-    ``scale`` is 0. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings;
-    the ``workspace`` holds the gradient of the energy, which is the unbalanced force.
+    Moments are divided by the length ``options.moment_arm``. Components of fixed motions do not count. If ``scale`` is
+    0, the result is in newtons. ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several
+    nuts and bearings; the ``workspace`` holds the gradient of the energy, which is the unbalanced force.
     """
     gradient, worst = workspace.energy_derivatives.gradient, 0.0
     for i in range(gradient.shape[0]):

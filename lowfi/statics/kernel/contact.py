@@ -89,9 +89,9 @@ def approach_to_arc(
 
     x is the radial component, z the one along the helix's binormal. (mx, mz): motion of the ball's centre relative to the
     flank [m]; (wx0, wz0): its nominal position from the groove's centre [m], of length size0; approach: nominal approach
-    [m]. The result is the nominal approach plus its change. Its round-off is then that of the motion (1e-22 m), not that of
-    the radii (1e-18 m). The curvature term times the contact force is the tangential stiffness of the contact; here it is
-    the inverse distance of groove centre and ball centre.
+    [m]. The approach is computed as its nominal value plus its change, so that its round-off is that of the motion
+    (1e-22 m), not that of the radii (1e-18 m). The curvature term times the contact force is the tangential stiffness
+    of the contact; here it is the inverse distance of groove centre and ball centre.
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)

@@ -71,9 +71,9 @@ def force_scale_and_residual(
 ) -> tuple[float, float]:
     """Return the force [N] by which unbalanced forces are divided, and the relative residual that results.
 
-    That force is ``scale`` [N], the largest force in the model, or a lower limit if the limit is larger. The limit is the
-    result of `least_force`. Where only displacements are prescribed (``options.least_force_scale`` is zero) it is
-    ``first_force`` [N], a force of the first state, because the final state may be free of forces.
+    That force is the largest force in the model, ``scale`` [N], but at least the result of `least_force`. Where only
+    displacements are prescribed (``options.least_force_scale`` is zero), it is at least ``first_force`` [N] instead, a
+    force of the first state, because the final state may be free of forces.
     """
     least = least_force(given, state, options) if options.least_force_scale > 0.0 else first_force
     scale = max(scale, least)

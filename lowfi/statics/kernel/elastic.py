@@ -405,7 +405,8 @@ def write_flank_motions(bodies: ElasticBodies, state: ForceState, g: Array, v: A
 def largest_relative_flank_motion(v: Array) -> float:
     """Return the largest relative motion [m] between a flank of the first body and the opposite flank of the second.
 
-    v (N, d): motions of the flanks; with d = 2 they are relative motions already.
+    v (N, d): motions of the flanks, two components each. d = 8: four flanks of each ball. d = 2: one pair of flanks,
+    and v is already the motion of one relative to the other.
     """
     half = v.shape[1] // 2
     return float(np.max(np.abs(v)) if half == 1 else np.max(np.abs(v[:, :half] - v[:, half:])))
@@ -415,8 +416,8 @@ def largest_relative_flank_motion(v: Array) -> float:
 def unbalanced(state: ForceState, scale: float) -> float:
     """Return the largest net force on a ball as a fraction of ``scale`` [N].
 
-    Zero for balls in the closed form with two opposite flanks, which are always in equilibrium. ``state``: forces and
-    normals of all contacts.
+    Zero where each ball touches two opposite flanks only: then the closed-form solution keeps it in equilibrium.
+    ``state``: forces and normals of all contacts.
     """
     return 0.0 if state.contact.shape[1] == 1 else largest_net_ball_force(state.contact, scale)
 
@@ -469,8 +470,8 @@ def residual_at(
     """Return the largest unbalanced force as a fraction of ``scale`` [N].
 
     It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
-    exerts there, and the largest net load on a free motion of the bodies. In newtons if ``scale`` is zero. The
-    ``workspace`` holds the forces that the balls exert. ``options`` is not used.
+    exerts there, and the largest net load on a free motion of the bodies. If ``scale`` is zero, the result is in
+    newtons. The ``workspace`` holds the forces that the balls exert. ``options`` is not used.
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))

@@ -1,7 +1,7 @@
 """Solve linear equations with a symmetric positive definite matrix that is stored as a band or as an envelope.
 
-Band: A[i, j] = band[j, i - j] for i >= j, the lower triangle, column by column. Envelope: row i stores the columns first[i]
-to i; the factorisation fills no entry outside of them.
+Band: A[i, j] = band[j, i - j] for i >= j, the lower triangle, column by column. Envelope: row i stores the columns
+first_column[i] to i; the factorisation fills no entry outside of them.
 
 The stiffness matrix of a shaft is a narrow band. A body (nut or bearing ring) that is connected to a part of the shaft is
 ordered directly after this part, and its rows are as long as that part. The cost for many bodies is therefore that of their
@@ -9,7 +9,7 @@ parts of the shaft, summed.
 
 The compiled functions use LDL^T for the band and row-wise Cholesky for the envelope. Without compilation, the band is
 solved in blocks by numpy, because importing scipy.linalg takes longer than solving a scene, and the envelope by LAPACK as a
-full matrix. Tests compare both ways.
+full matrix. Tests compare the results with and without compilation.
 """
 
 from math import sqrt
@@ -76,9 +76,9 @@ def _pad_band_to_blocks(band: Array) -> Array:
 def _block_views(filled: Array) -> tuple[Array, Array]:
     """Return views of the m diagonal blocks (m, b, b) of a band matrix A, and of the blocks below them.
 
-    ``filled`` (m b, b + 1): lower band of A from `_filled`. Only the lower triangles of the diagonal blocks and the upper
-    triangles of the blocks below belong to the matrix; the other triangle of a view shows coefficients of other blocks. The
-    views work because A[i, j] is stored at the flat index j (b + 1) + i - j = j b + i.
+    ``filled`` (m b, b + 1): lower band of A from `_pad_band_to_blocks`. Only the lower triangles of the diagonal blocks
+    and the upper triangles of the blocks below belong to the matrix; the other triangle of a view shows coefficients of
+    other blocks. The views work because A[i, j] is stored at the flat index j (b + 1) + i - j = j b + i.
     """
     size = filled.shape[1] - 1
     flat = filled.reshape(-1, size * (size + 1))

@@ -47,8 +47,9 @@ def next_line_search_trial(trial: LineSearchTrial, trial_energy: float, trial_sl
     """Return the next step length to try in a line search, and whether the search continues.
 
     trial: last step length tried, with the largest one known to be too short and the smallest one known to be too long;
-    new, ahead: energy [J] and its derivative by the step length [J], at the last step length tried. The search ends where
-    the magnitude of the derivative is sufficiently smaller than at the start, or at the largest step length.
+    trial_energy, trial_slope: energy [J] and its derivative by the step length [J], at the last step length tried. The
+    search ends where the magnitude of the derivative is sufficiently smaller than at the start, or at the largest step
+    length.
     """
     energy, slope, limit, low, high, t, tried = trial
     tried += 1
