@@ -70,7 +70,7 @@ def assemble_contact_compliance(
 
     Parameters
     ----------
-    sets : Sequence[PlacedSet]
+    sets : Sequence[PlacedNut]
         Nuts or bearings on the shaft.
     mounted : SupportedShaft
         Stretches of the screw and nuts on movable housings, under their supports and loads.
@@ -79,7 +79,7 @@ def assemble_contact_compliance(
 
     Returns
     -------
-    C : Compliance
+    C : ContactCompliance
         Compliance between the contact nodes, with r modes.
     rows : (r,) Index
         Index of each of these modes among those of all bodies: first those of ``mounted``, then those of the fixed nuts.
@@ -119,7 +119,7 @@ def compliance_block_of_ball(setup: CondensedGeometry, sides: tuple[int, ...], *
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     sides : tuple[int, ...]
         Groove flanks (0, 1: screw, 2, 3: nut) whose contact nodes are included.
@@ -177,7 +177,7 @@ def compliance_of_supported_screw(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     scene : Scene
         Supports and loads.
@@ -204,7 +204,7 @@ def normal_motion_of_nodes(C: ContactCompliance, mode_displacements: Array) -> A
 
     Parameters
     ----------
-    C : Compliance
+    C : ContactCompliance
         Compliance of n contact nodes.
     mode_displacements : (r,) Array
         Displacements of the modes of the compliance [m].
@@ -222,14 +222,14 @@ def expected_touching_nodes(p: PlacedNut, gap: Array) -> Array:
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
     gap : (balls, n) Array
         Gaps at the n contact nodes of each ball [m].
 
     Returns
     -------
-    (balls, n) Mask
+    (balls, n) Flags
         Whether each node is expected to touch.
     """
     out = np.zeros(gap.shape, dtype=bool)
@@ -245,7 +245,7 @@ def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
     values : (balls, n, ...) Array
         Values at the n contact nodes of each ball.
@@ -272,7 +272,7 @@ def grid_position_gap_corrections(p: PlacedNut, forces: Array, normals: Array) -
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
     forces : (balls, n) Array
         Contact forces at the n contact nodes of each ball [N].
@@ -302,9 +302,9 @@ def vectors_from_ball_centre_to_nodes(p: PlacedNut, parts_with_errors: GeometryW
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
-    parts_with_errors : Specimen
+    parts_with_errors : GeometryWithErrors
         Radii of balls and grooves with their manufacturing errors.
 
     Returns
@@ -359,7 +359,7 @@ def normal_motion_by_rigid_motions(p: PlacedNut, normals: Array, origin: float, 
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
     normals : (balls, n, 3) Array
         Contact normals at the n nodes of each ball.
@@ -403,7 +403,7 @@ def ball_motion_relative_to_grooves(
 
     Parameters
     ----------
-    p : PlacedSet
+    p : PlacedNut
         Nut or bearing with its condensed parts, at its place on the shaft.
     ball_displacements : (balls, 3) Array
         Motions of the ball centres [m].

@@ -264,7 +264,7 @@ def compliance_by_elimination(K: sp.csc_array, B: sp.csr_array, symbolic_factor:
         Symmetric positive definite matrix, both triangles stored.
     B : (n, m) sparse array
         m loads as columns.
-    symbolic_factor : Supernodes
+    symbolic_factor : SymbolicFactor
         Symbolic factor of K.
 
     Returns
@@ -291,7 +291,7 @@ def factorise_by_elimination(K: sp.csc_array, symbolic_factor: SymbolicFactor) -
     ----------
     K : (n, n) sparse array
         Symmetric positive definite matrix, both triangles stored.
-    symbolic_factor : Supernodes
+    symbolic_factor : SymbolicFactor
         Symbolic factor of K.
 
     Returns

@@ -118,7 +118,7 @@ def solve_reference(
 
     Parameters
     ----------
-    setup : Setup
+    setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     scene : Scene
         The load case, with manufacturing errors.
@@ -193,9 +193,9 @@ class LoadCase:
 
         Parameters
         ----------
-        sets : Sequence[PlacedSet]
+        sets : Sequence[PlacedNut]
             Nuts or bearings on the shaft.
-        frame : Frame
+        frame : ShaftSupports
             Supports, loads and housings.
         mounted : SupportedShaft
             Stretches of the shaft and nuts on housings, under their supports and loads.

@@ -148,7 +148,7 @@ def solve_nuts_on_one_shaft(
     ----------
     assembly : Assembly
         The shaft with its nuts and bearings.
-    setups : Sequence[Setup]
+    setups : Sequence[CondensedGeometry]
         Prepared bodies of each nut or bearing (`meshed_geometry_of_each_set`), in order.
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps.

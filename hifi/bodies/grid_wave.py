@@ -155,14 +155,14 @@ def approaches_at_grid_position(
         Forces [N].
     grid_position : tuple[float, float]
         Distances of the contact from its nominal position, across and along the groove, as numbers of cells.
-    first_guess : (f, c) Mask, optional, default None
+    first_guess : (f, c) Flags, optional, default None
         First guess: whether each contact pair is closed, as at a neighbouring position; None: no guess.
 
     Returns
     -------
     approach : (f,) Array
         Approach under each force [m].
-    closed : (f, c) Mask
+    closed : (f, c) Flags
         Whether each contact pair is closed under each force.
 
     Raises
@@ -202,14 +202,14 @@ def solve_unilateral_contact(
         Gap closed at each node by a unit of the approach.
     loads : (f,) Array
         Loads [N].
-    first_guess : (f, c) Mask, optional, default None
+    first_guess : (f, c) Flags, optional, default None
         First guess: whether each pair is closed under each load; None: the pairs that are closed under the load before.
 
     Returns
     -------
     approach : (f,) Array
         Approach under each load [m].
-    closed : (f, c) Mask
+    closed : (f, c) Flags
         Whether each pair is closed under each load.
 
     Raises

@@ -98,7 +98,7 @@ class BallContactCompliance:
 
         Parameters
         ----------
-        active : (n,) Mask
+        active : (n,) Flags
             Whether each contact pair is active, that is in contact.
         known : BallComplianceFactor | None, default None
             Factor of another active set; the factors of flanks on which both sets agree are reused.
@@ -288,7 +288,7 @@ def contact_compliance_of_single_ball(block: Array | BallContactCompliance) -> C
 
     Returns
     -------
-    Compliance
+    ContactCompliance
         The compliance, without coupling to other balls.
 
     Raises
@@ -315,7 +315,7 @@ def contact_compliance_of_coupled_balls(
 
     Returns
     -------
-    Compliance
+    ContactCompliance
         The compliance.
 
     Raises
@@ -416,7 +416,7 @@ def solve_contacts_of_one_ball(
         Compliance D between the n contact pairs of the ball.
     gap : (n,) Array
         Gaps g without contact forces of this ball [m].
-    first_guess : BallContacts | Flags
+    first_guess : BallContactState | Flags
         First guess: whether each pair is active (n,), or an earlier contact state, whose factors of unchanged flanks are
         reused.
     max_changes : int, default 60
@@ -424,7 +424,7 @@ def solve_contacts_of_one_ball(
 
     Returns
     -------
-    BallContacts
+    BallContactState
         Contact state at the minimum.
     """
     known = first_guess.compliance_factor if isinstance(first_guess, BallContactState) else None
@@ -667,7 +667,7 @@ def solve_contacts_of_all_balls(
 
     Parameters
     ----------
-    C : Compliance
+    C : ContactCompliance
         Compliance C between n contact pairs.
     gap : (n,) Array
         Gaps g0 of the undeformed bodies [m].
@@ -677,7 +677,7 @@ def solve_contacts_of_all_balls(
         Loads on the rigid motions [N, N m].
     start : SolverState | None, default None
         State at the end of the solution of a similar problem, as the first guess; None: the undeformed bodies.
-    touching : sequence of (n_i,) Masks, optional
+    touching : sequence of (n_i,) Flags, optional
         Contact pairs of each ball that are expected to touch; used if there is no ``start``.
     tolerance : float, default 1e-10
         Largest relative residual of a converged solution.

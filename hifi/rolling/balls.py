@@ -201,7 +201,7 @@ def finite_body_kernel_at_contact(
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The rolling balls.
     touch : kinematics.GrooveContact
         The contact.
@@ -234,7 +234,7 @@ def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: S
 
     Parameters
     ----------
-    scenes : Sequence[kinematics.Rolling]
+    scenes : Sequence[kinematics.RollingBalls]
         Rolling balls of each scene.
     bodies : Sizes | None
         Meshes of finite bodies; None: half-spaces, for which nothing is computed.
@@ -266,7 +266,7 @@ def position_of_contact_on_groove(
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls.
     touch : kinematics.GrooveContact
         The contact.
@@ -298,7 +298,7 @@ def loaded_contacts(scene: kinematics.RollingBalls) -> list[tuple[int, int, kine
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The rolling balls.
 
     Returns
@@ -319,14 +319,14 @@ def prepare_friction_contacts(scene: kinematics.RollingBalls, choices: RollingSe
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls.
-    choices : Choices
+    choices : RollingSettings
         Numerical settings.
 
     Returns
     -------
-    list[Contact]
+    list[FrictionContact]
         Contacts in the order of `loaded_contacts`.
     """
     curved, elastic = choices.curved_contacts, choices.elastic_factor
@@ -345,9 +345,9 @@ def equilibrium_equations_of_balls(
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls.
-    contacts : Sequence[Contact]
+    contacts : Sequence[FrictionContact]
         Loaded contacts of the balls, as from `prepare_friction_contacts`.
 
     Returns
@@ -365,7 +365,7 @@ def split_motions_and_forces(scene: kinematics.RollingBalls, y: Array) -> tuple[
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The N rolling balls, with M contacts between balls.
     y : (4 N + M,) Array
         Unknowns of `hifi.rolling.kinematics.BallEquilibrium`: the motions of each ball as speeds [m/s], then the forces
@@ -435,9 +435,9 @@ def solve_rolling(
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls and their contact loads.
-    choices : Choices | None, default None
+    choices : RollingSettings | None, default None
         Numerical choices; None: the defaults of `Choices`.
     start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
@@ -521,12 +521,12 @@ def copy_without_ball_to_ball_contacts(scene: kinematics.RollingBalls) -> kinema
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The rolling balls.
 
     Returns
     -------
-    kinematics.Rolling
+    kinematics.RollingBalls
         The same balls without contacts between them.
     """
     return replace(scene, ball_to_ball_contacts=())
@@ -537,7 +537,7 @@ def hertz_semi_axes(scene: kinematics.RollingBalls, touch: kinematics.GrooveCont
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls.
     touch : kinematics.GrooveContact
         The contact.
@@ -619,7 +619,7 @@ def solve_rigid_rolling(
 
     Parameters
     ----------
-    scene : kinematics.Rolling
+    scene : kinematics.RollingBalls
         The balls and their contact loads.
     points : int, default POINTS
         Number of quadrature points along each axis of a contact ellipse.
@@ -738,7 +738,7 @@ def compute_motion_from_rest(
 
     Parameters
     ----------
-    scene : Rolling
+    scene : RollingBalls
         The balls and their contact loads.
     duration : float
         Simulated time from rest [s].
@@ -746,7 +746,7 @@ def compute_motion_from_rest(
         Number of time steps.
     gap : float, default 0.0
         Gap between neighbouring balls at the beginning [m].
-    choices : Choices | None, default None
+    choices : RollingSettings | None, default None
         Numerical choices; None: the defaults of `Choices`.
 
     Returns

@@ -142,7 +142,7 @@ def mesh_whole_ball(radius: float, zone: ContactZone) -> ContactBody:
     ----------
     radius : float
         Radius of the ball [m].
-    zone : Zone
+    zone : ContactZone
         Contact zone.
 
     Returns
@@ -202,7 +202,7 @@ def mesh_grooved_bar(groove: Groove, size: float, zone: ContactZone) -> ContactB
         The groove.
     size : float
         Radius of the outside, from the ball's centre [m].
-    zone : Zone
+    zone : ContactZone
         Contact zone.
 
     Returns
@@ -265,7 +265,7 @@ def mesh_half_space(
     ----------
     cut_distance : float
         Distance of its cut faces from the contact's centre [m].
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     inner_cell_boundaries : tuple[Array, Array, Array] | None, default None
         Cell boundaries along x, y and z around the contact, to be continued [m]; None: those of the zone.

@@ -344,7 +344,7 @@ def solve_rigid_friction(
 
     Parameters
     ----------
-    contacts : Sequence[Contact]
+    contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance
         Function that returns f of eq. (2) of this module and its derivative at the motions y.
@@ -396,7 +396,7 @@ def solve_friction(
 
     Parameters
     ----------
-    contacts : Sequence[Contact]
+    contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance, default keep_prescribed_motions
         Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
@@ -410,7 +410,7 @@ def solve_friction(
 
     Returns
     -------
-    Friction
+    FrictionSolution
         The solution.
     """
     system = _FrictionProblem(contacts, balance)

@@ -61,7 +61,7 @@ def velocities_by_ball_motions(track: TrackMotion, radius: float, at: Array) -> 
 
     Parameters
     ----------
-    track : Track
+    track : TrackMotion
         Screw motion of the track.
     radius : float
         Radius of the ball [m].
@@ -181,7 +181,7 @@ def contact_axes(touch: GrooveContact, scene: RollingBalls) -> Array:
     ----------
     touch : GrooveContact
         The contact.
-    scene : Rolling
+    scene : RollingBalls
         The rolling balls.
 
     Returns
@@ -217,7 +217,7 @@ def surface_points_and_tangents(
     ----------
     touch : GrooveContact
         The contact.
-    scene : Rolling
+    scene : RollingBalls
         The rolling balls.
     local : (n, 2) Array
         Coordinates of n points along the contact's axes x and y [m].
@@ -249,7 +249,7 @@ def rolling_speed(touch: GrooveContact, scene: RollingBalls) -> float:
     ----------
     touch : GrooveContact
         The contact.
-    scene : Rolling
+    scene : RollingBalls
         Its balls.
 
     Returns
@@ -281,7 +281,7 @@ def rigid_friction_contact(
     ----------
     touch : GrooveContact
         The contact.
-    scene : Rolling
+    scene : RollingBalls
         Its balls.
     ball : int
         Index of the ball.
@@ -296,7 +296,7 @@ def rigid_friction_contact(
 
     Returns
     -------
-    Contact
+    FrictionContact
         The contact, for the friction solver.
     """
     points, tangents = surface_points_and_tangents(touch, scene, local, curved=curved, depth_of_centre=depth_of_centre)
@@ -318,11 +318,11 @@ def elastic_friction_contact(
     ----------
     touch : GrooveContact
         The contact.
-    scene : Rolling
+    scene : RollingBalls
         Its balls.
     ball : int
         Index of the ball.
-    patch : Patch
+    patch : GridContact
         Solution of the normal contact on the grid.
     curved : bool
         Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
@@ -331,7 +331,7 @@ def elastic_friction_contact(
 
     Returns
     -------
-    Contact
+    FrictionContact
         The contact, for the friction solver.
     """
     rigid = rigid_friction_contact(
@@ -376,7 +376,7 @@ def ball_to_ball_contact(
         Axes of each ball as rows, in common axes ``(3, 3)``.
     line : (3,) Array
         Unit vector from the centre of the first ball to that of the second, in common axes.
-    track : Track
+    track : TrackMotion
         Screw motion of the track.
     radius : float
         Radius of the balls [m].

@@ -438,7 +438,7 @@ class GridContact:
 
         Returns
         -------
-        Patch
+        GridContact
             The similar contact.
 
         Raises
@@ -573,7 +573,7 @@ def solve_elastic_contact_on_grid(
 
     Returns
     -------
-    Patch
+    GridContact
         The contact.
 
     Raises

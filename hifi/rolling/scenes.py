@@ -86,9 +86,9 @@ def create_rolling_balls(
 
     Parameters
     ----------
-    layout : Layout
+    layout : BallLayoutOnTrack
         Positions of balls and grooves.
-    material : Material
+    material : RollingMaterial
         Elastic material and friction.
     contact_normals : (N, k, 2) Array
         Unit vectors from each ball's centre to its k contacts, in the plane of the section.
@@ -97,7 +97,7 @@ def create_rolling_balls(
 
     Returns
     -------
-    Rolling
+    RollingBalls
         The rolling balls.
     """
     balls = []
@@ -143,9 +143,9 @@ def hertz_constants(layout: BallLayoutOnTrack, material: RollingMaterial) -> Arr
 
     Parameters
     ----------
-    layout : Layout
+    layout : BallLayoutOnTrack
         Positions of balls and grooves, with the relative radii of the k grooves.
-    material : Material
+    material : RollingMaterial
         Elastic material.
 
     Returns
@@ -179,7 +179,7 @@ def place_balls_on_straight_track(
 
     Returns
     -------
-    Layout
+    BallLayoutOnTrack
         Positions of balls and grooves.
     """
     track = TrackMotion(np.zeros(3), np.array([0.0, 0.0, 1.0]))
@@ -261,7 +261,7 @@ def place_balls_along_helix(
 
     Returns
     -------
-    Layout
+    BallLayoutOnTrack
         Positions of balls and grooves.
     """
     rise = lead / (2.0 * np.pi)
@@ -325,7 +325,7 @@ def place_ball_in_ring(
 
     Returns
     -------
-    Layout
+    BallLayoutOnTrack
         Position of the ball and its grooves.
     """
     track = TrackMotion(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, pitch_radius]))
@@ -401,7 +401,7 @@ def solve_static_problem(static_problem: StaticProblem) -> StaticEquilibrium:
 
     Returns
     -------
-    Loads
+    StaticEquilibrium
         Contact forces and displacements; ``converged`` is False if there is no equilibrium.
     """
     N, m = static_problem.unloaded_normals.shape[0], static_problem.forces_on_inner_body.size
@@ -517,7 +517,7 @@ def copy_with_fixed_inner_body(static_problem: StaticProblem, loads: StaticEquil
     ----------
     static_problem : StaticProblem
         The static problem.
-    loads : Loads
+    loads : StaticEquilibrium
         Equilibrium of that problem.
 
     Returns
@@ -549,20 +549,20 @@ def solve_loads_with_rolling(
 
     Parameters
     ----------
-    layout : Layout
+    layout : BallLayoutOnTrack
         Positions of balls and grooves.
-    material : Material
+    material : RollingMaterial
         Elastic material and friction.
     static_problem : StaticProblem
         The static problem.
-    choices : Choices
+    choices : RollingSettings
         Numerical choices of rolling.
     balls_may_touch : bool
         Whether neighbouring balls may touch each other.
 
     Returns
     -------
-    loads : Loads
+    loads : StaticEquilibrium
         Contact forces with friction.
     converged : bool
         Whether loads and friction agree (`AGREED`) and both converged.

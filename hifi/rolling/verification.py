@@ -97,7 +97,7 @@ def solve_friction_for_rigid_slip(
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         The contact, of n cells.
     elastic : (2 n, 2 n) Array
         Slip that unit tangential forces cause by elastic displacements [m/s/N].
@@ -108,9 +108,9 @@ def solve_friction_for_rigid_slip(
 
     Returns
     -------
-    contact : Contact
+    contact : FrictionContact
         Input of the friction solver.
-    solution : Friction
+    solution : FrictionSolution
         Its solution.
     """
     contact = FrictionContact(
@@ -124,7 +124,7 @@ def solve_steady_rolling_for_creepages(patch: GridContact, creep: Creep, mu: flo
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         Normal contact on its grid.
     creep : Creep
         The creepages.
@@ -151,7 +151,7 @@ def solve_steady_rolling_like_kalker(patch: GridContact, creep: Creep, mu: float
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         Normal contact on its grid.
     creep : Creep
         The creepages.
@@ -202,7 +202,7 @@ def simulate_rolling_onset(patch: GridContact, mu: float, share: float, steps: i
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         Normal contact on its grid.
     mu : float
         Coefficient of friction.
@@ -250,7 +250,7 @@ def spread_of_unused_friction(patch: GridContact, bound: Array, tangential: Arra
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         Normal contact on a grid of n cells.
     bound : (n,) Array
         Largest possible tangential force mu p of each cell [N].
@@ -496,7 +496,7 @@ def compare_ball_friction_with_point(
 
     Parameters
     ----------
-    scene : Rolling
+    scene : RollingBalls
         The balls.
     result : RollingResult
         Steady rolling of the balls.
@@ -551,7 +551,7 @@ def compare_half_space_displacements(zone: ContactZone, size: float, young: floa
 
     Parameters
     ----------
-    zone : Zone
+    zone : ContactZone
         Contact zone.
     size : float
         Size of the block of elements [m].
@@ -691,7 +691,7 @@ def full_slip_within_cells(patch: GridContact, creep: Creep, mu: float) -> tuple
 
     Parameters
     ----------
-    patch : Patch
+    patch : GridContact
         Normal contact on its grid.
     creep : Creep
         The creepages.

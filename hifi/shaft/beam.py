@@ -166,7 +166,7 @@ class ShaftSupports:
 
         Returns
         -------
-        Frame
+        ShaftSupports
             Supports, loads, movable housings and springs.
         """
         if isinstance(scene, Scene):
