@@ -528,9 +528,9 @@ def model_accuracy_table(accuracies: Sequence[ModelAccuracy]) -> Table:
     ]
     note = (
         "Errors against the finest mesh level of the 3D reference of each shipped scene; the table of error over run time "
-        f"has the values of each scene. Gate: rollbench check, with errors {RULE}. "
-        "A scene passes if error plus uncertainty is within the limit on every contact. The finest mesh level is the reference: as its error its grid uncertainty is shown, and "
-        "its RMS error is zero by definition."
+        f"has the values of each scene. Gate: rollbench check, with errors {RULE}. A scene passes if error plus "
+        "uncertainty is within the limit on every contact. The finest mesh level is the reference: its grid uncertainty is "
+        "shown as its error, and its RMS error is zero by definition."
     )
     table = Table.from_rows(
         "overview-models", "Errors and run times of each model and 3D mesh level on the shipped scenes", rows, note

@@ -23,8 +23,8 @@ SCENE, MODEL = "lin-case1", "lin"
 TERMS = (
     (
         "Error: 100 (value - reference) / |reference|. Errors of contact loads are in per cent of the mean load over "
-        "the contacts that carry load in the screw without errors, so that an error of one newton on a nearly unloaded "
-        'ball does not count as 100 %. Errors relative to the load of the contact itself are marked "own '
+        "the contacts that carry load in the screw without geometric errors, so that an error of one newton on a nearly "
+        'unloaded ball does not count as 100 %. Errors relative to the load of the contact itself are marked "own '
         'load".'
     ),
     (

@@ -67,6 +67,12 @@ WORK = {
 }
 #: Models that are timed on the scene `FIRST` with interpreted and with compiled kernels.
 SAMPLE = ("lin", "refined")
+#: Groups of scenes that have a figure of error against run time, by the ending of the figure's name.
+GROUPS = {
+    "": "case studies without preload",
+    "-preload": "case studies with preload",
+    "-unseen": "screws not used in development",
+}
 #: Largest number of panels in one figure.
 PANELS = 6
 
@@ -592,7 +598,7 @@ def error_over_time_panel(scene_name: str, scene_points: Sequence[ErrorAndRunTim
 
 
 def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTime]]) -> list[Figure]:
-    """Draw the largest load error over run time of all models and mesh levels, in a figure for each group of scenes.
+    """Draw the largest load error of all models and mesh levels against run time, in a figure for each group of scenes.
 
     The groups are the case studies without preload, those with preload, and the screws not used in development.
     ``points_by_scene``: errors and run times by name of the scene.
@@ -610,7 +616,7 @@ def error_over_time_figures(points_by_scene: Mapping[str, Sequence[ErrorAndRunTi
     return [
         Figure(
             f"reference-time{tail}",
-            "Largest contact-load error of each model and 3D mesh level over its run time from a cold start",
+            f"Largest contact-load error of each model and 3D mesh level against cold-start run time: {GROUPS[tail]}",
             tuple(error_over_time_panel(n, points_by_scene[n]) for n in names),
             caption,
         )
