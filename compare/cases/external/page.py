@@ -524,11 +524,11 @@ def flanged_nuts_sentence() -> str:
     """
     nuts = [p for p in model_errors_on_random_screws() if p.model == DEFAULT and FLANGE in p.features]
     if not nuts:
-        return "No drawn nut fixed at a flange was compared with the 3D reference."
+        return "No random screw with a nut fixed at a flange was compared with the 3D reference."
     return (
-        f"On {len(nuts)} drawn nuts fixed at flanges the default model is off by at most "
+        f"On {len(nuts)} random screws with nuts fixed at flanges, contact loads by the default model differ by at most "
         f"{max(p.percent for p in nuts):.2f} % of the mean load ({max(p.rms_percent for p in nuts):.2f} % RMS) from the 3D "
-        "reference on level 1."
+        "reference on mesh level 1."
     )
 
 
@@ -544,12 +544,11 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        "The surface at which a nut is fixed changes its largest load by "
+        "If the nut is fixed at another surface than its left face, its largest contact load changes by "
         f"{model_column_range_in_words(rows, 'load_change')} %, "
         "its life by "
-        f"{model_column_range_in_words(rows, 'life_change')} % and its rigidity by "
-        f"{model_column_range_in_words(rows, 'rigidity_change')} % against "
-        "the left face."
+        f"{model_column_range_in_words(rows, 'life_change')} % and its axial rigidity by "
+        f"{model_column_range_in_words(rows, 'rigidity_change')} %."
     )
     text = (
         f"Catalogues print {shares['left']} of the rigidity computed with the nut fixed at its left face, "
@@ -567,7 +566,7 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     )
     table = Table(
         "nut-holding",
-        "Largest load, life and rigidity of catalogue screws by the face at which the nut is fixed",
+        "Catalogue screws: largest contact load, life and axial rigidity, for each surface at which the nut is fixed",
         FIXATION_COLUMNS,
         rows,
         note,

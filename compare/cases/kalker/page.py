@@ -137,7 +137,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             "rolling-verification",
             "3D model of rolling contact: error on three grids for contacts whose solution is known",
             [_verification_row(p) for p in proof],
-            "No order of convergence is given where the error grows on a finer grid: it then depends on where cells lie.",
+            "No order of convergence: the error grows on a finer grid, and depends on where cell boundaries lie.",
         ),
         Table.from_rows(
             "rolling-pairs",

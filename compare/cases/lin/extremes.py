@@ -816,7 +816,7 @@ def extreme_cases_text_and_table(found: Sequence[GroupResult] | None = None) -> 
         Text(text),
         Table(
             "friction-extremes",
-            "Friction solvers on extreme cases: solutions found from all starts, and by Lin's root finding",
+            "Extreme cases: solutions found by this package's friction solvers from all starts, and by Lin's method",
             COLUMNS,
             shown,
             note,

@@ -37,7 +37,10 @@ FREE_LENGTH = 1e-3 * printed_value("liu-3", "free_length")
 BALLS = "ball number"
 
 
-DRAWN = "Liu et al. print neither the random errors nor the curves: ours have other random errors of the same range."
+DRAWN = (
+    "Liu et al. print neither their random ball errors nor numbers for their curves: "
+    "the curves here have other random errors of the same range."
+)
 
 SPREAD = f"Band: central 99 % of {CURVES} screws with random errors; line: their median."
 
@@ -133,7 +136,7 @@ def ball_deformation_figure() -> Figure:
         "Liu prints: no unloaded ball at 2000 N, one at 1500 N (in the caption 1000 N), 25 at 500 N; this section's table "
         f"gives their percentiles among {liu.MEMBERS} random screws. {DRAWN}"
     )
-    title = "Liu (2025), Figure 11: normal deformation of the balls with random errors of ±2 µm"
+    title = "Liu (2025), Figure 11: normal deformation of the balls with random diameter errors of ±2 µm"
     return Figure("liu-figure-11", title, panels, caption, columns=3, same_y=True)
 
 
@@ -169,7 +172,7 @@ def displacement_test_figure() -> Figure:
     )
     return Figure(
         "liu-figure-13",
-        "Liu (2025), Figure 13: displacement and stiffness predicted for Liu's test, random errors of ±3 µm",
+        "Liu (2025), Figure 13: displacement and stiffness predicted for Liu's test, random ball errors of ±3 µm",
         panels,
         caption,
     )
@@ -269,7 +272,11 @@ def loads_with_random_errors_figure() -> Figure:
     )
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
     return Figure(
-        "liu-figure-16", "Liu (2025), Figure 16: contact loads with random errors of ±2 µm", (panel,), caption, columns=1
+        "liu-figure-16",
+        "Liu (2025), Figure 16: contact loads with random ball errors of ±2 µm",
+        (panel,),
+        caption,
+        columns=1,
     )
 
 
@@ -288,7 +295,7 @@ def loads_by_error_range_figure() -> Figure:
             )
         )
     caption = f"Markers at the left: smallest and largest loads that Liu's text prints. {DRAWN}"
-    title = "Liu (2025), Figure 17: contact loads for several ranges of the random errors"
+    title = "Liu (2025), Figure 17: contact loads for several ranges of random ball errors"
     return Figure("liu-figure-17", title, panels, caption)
 
 
@@ -378,5 +385,5 @@ def stiffness_of_three_screws_figure(found: dict[str, float]) -> Figure:
         Panel("largest minus smallest of three screws", "axial load / N", "stiffness / 10⁸ N/m", differ, include_zero=True),
     )
     return Figure(
-        "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random errors", panels, DRAWN
+        "liu-figure-21", "Liu (2025), Figure 21: axial stiffness of three screws with random ball errors", panels, DRAWN
     )

@@ -34,12 +34,12 @@ from rollbench.reports.content import Row, Section, Table, TableColumn, Text
 
 #: Sections of the report by name: title, names of the printed tables.
 CHAPTERS = {
-    "liu-parameters": ("Liu (2025), Section 2.1 and Table 2: the screw and its errors", ("liu-2",)),
+    "liu-parameters": ("Liu (2025), Section 2.1 and Table 2: the ball screw and its ball errors", ("liu-2",)),
     "liu-test": ("Liu (2025), Section 3: algorithm and experiment", ("liu-3",)),
     "liu-mei": ("Liu (2025), Section 4.1: contact loads by Liu's and Mei's models", ("liu-4.1",)),
     "liu-one-ball": ("Liu (2025), Section 4.2: contact loads with one ball too small or too large", ("liu-4.2",)),
-    "liu-loads": ("Liu (2025), Section 4.3: contact loads and displacement with random errors", ("liu-4.3",)),
-    "liu-stiffness": ("Liu (2025), Section 4.4: axial stiffness with random errors", ("liu-4.4",)),
+    "liu-loads": ("Liu (2025), Section 4.3: contact loads and displacement with random ball errors", ("liu-4.3",)),
+    "liu-stiffness": ("Liu (2025), Section 4.4: axial stiffness with random ball errors", ("liu-4.4",)),
 }
 PRINTED = tuple(name for _, names in CHAPTERS.values() for name in names)
 ABOUT = (

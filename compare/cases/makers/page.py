@@ -92,8 +92,8 @@ def band_and_errors_conclusion(found: Sequence[outside.PublishedValue]) -> str:
     within = sum(x.verdict == "in the band" for x in judged)
     return (
         (
-            f"Of {len(judged)} values that others print or measure, {within} lie in the band of what is "
-            "computed. Where no input is free they agree: bias and scatter of preload, rigidity and starting "
+            f"Of {len(judged)} published values, {within} lie in the range (band) of the computed value. "
+            "Where no input is unknown, both agree: bias and scatter of preload, rigidity and starting "
             "torque of NSK's sets are "
         )
         + ", ".join(f"{s.mean_error_percent:+.1f} and {s.standard_deviation_percent:.1f} %" for s in sets)

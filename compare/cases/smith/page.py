@@ -248,7 +248,7 @@ def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
         )
     return Table.from_rows(
         "smith-layouts",
-        "Thrust on both end supports and stiffness of the screw axis, by bearing layout and nut position",
+        "Thrust on both end supports and stiffness of the screw axis, for each bearing layout and nut position",
         rows,
         LAYOUT_NOTE,
     )

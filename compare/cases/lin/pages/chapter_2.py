@@ -84,7 +84,7 @@ def end_support_table(cache: SceneResultCache) -> Table:
     )
     return Table.from_rows(
         "cases-readings",
-        "Lin's case study 3: largest and smallest contact loads, by interpretation of the support at the right end",
+        "Lin's case study 3: largest and smallest contact loads, for each interpretation of the support at the right end",
         rows,
         note,
     )
@@ -216,10 +216,10 @@ def case_study_figures(cache: SceneResultCache) -> tuple[Figure, ...]:
     three = cache.solve_once("lin-case3-offset")
     bend = Panel("case 3 with offset", *axes, lateral_displacement_curves(three.centreline_z, three.centreline))
     return (
-        Figure("cases-12", "Lin's case studies 1 and 2: contact load over the ball's number", (first, second)),
+        Figure("cases-12", "Lin's case studies 1 and 2: contact load of each ball", (first, second)),
         Figure(
             "cases-3",
-            "Lin's case study 3: contact load over the ball's number, by interpretation of the support at the right end",
+            "Lin's case study 3: contact load of each ball, for each interpretation of the support at the right end",
             tuple(panels),
             "Opposite contacts (SL and NR, SR and NL) have equal loads within "
             f"{largest_difference_of_opposite_loads(cache):.2f} N.",
@@ -370,7 +370,7 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
         (
             Figure(
                 "errors-loads",
-                "Lin 2.4.2: contact load over the ball's number, with geometric errors",
+                "Lin 2.4.2: contact load of each ball, with geometric errors of screw and balls",
                 (left, right),
                 f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} and {len(combined.loads)} "
                 "random screws.",
@@ -508,7 +508,7 @@ def manufacturing_section(cache: SceneResultCache, step: Callable[[str], None]) 
             ),
             Table.from_rows(
                 "manufacturing-readings",
-                "Contact loads with pitch or roundness errors (Lin 4.3.2), by assumption on inputs that are not printed",
+                "Contact loads with pitch or roundness errors (Lin 4.3.2), for each assumption on unprinted inputs",
                 rows,
                 "Lin states that all balls have two loaded contacts. This needs a clearance in the grooves, not printed.",
             ),
@@ -593,7 +593,7 @@ def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -
             ),
             Table.from_rows(
                 "formulations-agreement",
-                "Difference of contact loads between Lin's Newton method and the energy solver, by scene",
+                "Difference of contact loads between Lin's Newton method and the energy solver, for each scene",
                 rows,
             ),
         ),

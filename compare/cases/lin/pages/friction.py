@@ -58,7 +58,7 @@ def power_balance_table() -> Table:
     """
     table = Table.from_rows(
         "friction-balance",
-        "Rotary bearing (Lin 3.2): power input and friction losses, by friction model",
+        "Rotary bearing (Lin 3.2): power input and friction losses, for each friction model",
         power_balance_rows(),
     )
     worst = max(table.rows, key=lambda row: abs(float(row["balance"] or 0.0)))
@@ -80,7 +80,7 @@ def linear_pair_sensitivity_table() -> Table:
     printed = printed_entry("lin-3.5", "a_force_numerical")
     table = Table.from_rows(
         "friction-sensitivity",
-        "Two balls of a linear bearing (Lin 3.3): ball-to-ball force and losses, by assumption on the contact loads",
+        "Two balls of a linear bearing (Lin 3.3): ball-to-ball force and losses, for each assumption on the contact loads",
         linear_pair_sensitivity_rows(),
     )
     target = printed.value or 0.0
@@ -107,7 +107,7 @@ def solver_residuals_table() -> Table:
     note = "Contact angles follow the loads. Residual and difference are divided by the largest friction force on a ball."
     return Table.from_rows(
         "friction-stability",
-        "Two balls of a linear bearing: residuals and energy error of the friction solver on extreme cases",
+        "Two balls of a linear bearing: residuals and energy errors of the friction solver on extreme cases",
         extreme_linear_pair_rows(),
         note,
     )
@@ -275,7 +275,7 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     short = np.abs(m.velocity_deviation_difference.error).max() / np.abs(m.velocity_deviation_difference.numerical).max()
     first = Figure(
         "friction-difference",
-        "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over the side force ratio",
+        "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over side force/vertical load",
         panels_over_side_force_ratio(m, m.velocity_deviation_difference, "ε₁ − ε₂"),
         "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
         "approach each other where the curve is above zero. Lin's formula is too small by up to "
@@ -284,7 +284,7 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
     )
     second = Figure(
         "friction-force",
-        "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over the side force ratio",
+        "Linear bearing (Lin, Figure 3.15): ball-to-ball force and loss ratio over side force/vertical load",
         [
             *panels_over_side_force_ratio(m, m.force, "force / N"),
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
@@ -611,7 +611,7 @@ def pair_interpretations_table() -> Table:
     )
     return Table.from_rows(
         "friction-readings",
-        "Lin, Table 3.7: ball-to-ball force and loss increase by interpretation of the text",
+        "Lin, Table 3.7: ball-to-ball force and loss increase, for each interpretation of the text",
         screw.contact_load_interpretation_rows(),
         note,
     )
@@ -658,7 +658,7 @@ def simulation_interpretations_table() -> Table:
     rows = screw.simulation_interpretation_rows()
     return Table.from_rows(
         "friction-run-readings",
-        "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, by interpretation",
+        "Simulation of a whole ball screw (Lin 3.4.4): ball-to-ball torque, for each interpretation of the text",
         rows,
         note,
     )
@@ -677,7 +677,7 @@ def bearing_torque_table() -> Table:
     )
     return Table.from_rows(
         "friction-bearings",
-        "Bearings of Lin's Table 4.2: largest over smallest friction torque, by assumption",
+        "Bearings of Lin's Table 4.2: largest over smallest friction torque, for each assumption",
         screw.bearing_torque_rows(),
         note,
     )

@@ -185,11 +185,10 @@ WORDS: dict[combined.Definition, str] = {"own": "of each load", "mean": "of the 
 #: Assumed scatters [%] of the approach, besides the measured one.
 TRIED = (1.0, 2.0, 3.0)
 ABOUT_IT = (
-    'What Lin did is not known. Of both models he prints a largest load of "about 1.34" times the smallest, and '
-    "four errors of one against the other. Interpretations of the gaps in his text are combined, and each is shown "
-    "with what it "
-    "misses of these six numbers; no tolerance decides between them. 3D runs are on the coarsest mesh, with a penalty on "
-    "the next. The default model and the 3D reference are unchanged."
+    'What Lin did is not known. For both models he prints a largest load of "about 1.34" times the smallest, and '
+    "four errors of his model against ANSYS. Interpretations of what his text leaves open are combined, and each "
+    "combination is shown with its deviations from these six numbers; no tolerance decides between the combinations. "
+    "3D results are computed on the coarsest mesh, those with a contact penalty on the next finer one."
 )
 
 
@@ -251,13 +250,11 @@ def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
     errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
     missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).deviations_from_print ** 2)))
     return (
-        f"Where the printed {combined.printed_errors_percent()[0]:.2f} % comes from is not identified. It is "
-        f"{found[0].errors_percent['own'][0]:.2f} % by default on level {combined.LEVEL} of the 3D mesh, as all "
-        "combinations "
-        f"are (table "
-        f"lin-sentences-compared has the finest), and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} "
-        f"combinations of interpretations of what the text leaves open; {len(found) - len(errors)} more contradict it. "
-        "The nearest of them misses the two ratios and four errors "
+        f"The origin of the printed largest error of {combined.printed_errors_percent()[0]:.2f} % is not identified. "
+        f"Computed on level {combined.LEVEL} of the 3D mesh, this error is {found[0].errors_percent['own'][0]:.2f} % by "
+        f"default, and {min(errors):.2f} to {max(errors):.2f} % by {len(errors)} combinations of interpretations of what "
+        f"the text leaves open; {len(found) - len(errors)} further combinations contradict the text (table "
+        "lin-sentences-compared: finest mesh). The nearest combination misses the two ratios and four errors "
         f"that are printed by {missed:.2f} % (root mean square)."
     )
 
@@ -602,7 +599,7 @@ def combinations_figure(found: list[combined.CombinationResult]) -> Figure:
     )
     return Figure(
         "reconstruction",
-        "Largest over smallest load, and model errors (Lin 2.4.1) by combined interpretations of the text",
+        "Largest over smallest load, and model errors (Lin 2.4.1), for all combinations of interpretations of the text",
         panels,
         columns=3,
     )

@@ -18,17 +18,17 @@ ABOUT = (
     "Lash: displacement of the screw under a force that reverses. Axial test: force along the axis at the end of the "
     "screw; conical test: lateral force at a distance from the nut. Difference of the ball patterns: (largest - "
     "smallest)/smallest of their peak-to-peak displacements at 200 N; Lin does not define it.",
-    "For every choice of the open inputs, the axial tests differ less than the conical ones in most "
-    "directions, and always less than the largest of them. The numbers depend on the distance of the force "
-    "and the restraint of the screw more than they differ from the printed ones.",
-    "Rack: the printed ratios depend on place and restraint of the pinion, on the directions of the two "
-    "side forces and on the place of the bearing. Several layouts come near one or both ratios: they are "
-    "not identifiable, and no layout is chosen by them.",
+    "For every choice of the unprinted inputs, the difference is smaller in the axial test than in the conical test "
+    "for most directions of the lateral force, and always smaller than the largest of the conical test. Other distances "
+    "of the force and other restraints change the differences by more than they deviate from the printed ones.",
+    "Steering gear: the load ratios depend on place and restraint of the pinion, on the directions of the two lateral "
+    "forces and on the place of the bearing. Several layouts come near one or both printed ratios, so that Lin's layout "
+    "cannot be identified from these ratios.",
 )
 #: Note of the table of steering-gear layouts.
 SENSE = (
-    "A pinion that holds the rack against tilting keeps the far side force away from the nut, so its "
-    "direction no longer matters."
+    "A pinion that holds the rack against tilting keeps the lateral force on its other side away from the nut: the "
+    "direction of this force then has no influence."
 )
 
 
@@ -220,12 +220,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
             figures[1],
             Table.from_rows(
                 "rack-bands",
-                "Steering gear (Lin 4.2): largest load at 18° over that at 0°, range over each input that is not printed",
+                "Steering gear (Lin 4.2): largest load at 18° over that at 0° of the tie rods, range by unprinted input",
                 load_ratio_range_rows(points),
             ),
             Table.from_rows(
                 "rack-layouts",
-                "Steering gear (Lin 4.2): largest load at 18° over that at 0°, by layout of pinion, tie rods and bearing",
+                "Steering gear (Lin 4.2): largest load at 18° over that at 0° of the tie rods, for each layout of the gear",
                 load_ratio_rows(points),
                 SENSE,
             ),

@@ -324,7 +324,7 @@ def case_study_loads_figure(cache: SceneResultCache) -> Figure:
     )
     return Figure(
         "lin-loads",
-        "Lin's case studies: contact load over the ball's number, computed, and as the thesis states",
+        "Lin's case studies: contact load of each ball, computed, and as the thesis states",
         tuple(panels),
         caption,
     )
@@ -481,7 +481,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> tuple[
     others = [f for f in found.values() if not f.printed.claim and f.printed.name not in placed]
     first = Section(
         "lin",
-        "Lin's thesis: how many of its printed numbers are reproduced, by table and section",
+        "Lin's thesis: how many of its printed numbers are reproduced, for each table and section",
         (Text((GUIDE,)), counts_of_reproduced_numbers_table(list(found.values()))),
         conclusion=printed_results_conclusion(found.values()),
     )
