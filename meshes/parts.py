@@ -363,7 +363,7 @@ class Ingredients:
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = frozen_default(
         "nominal",
-        "contact constants: of each contact's radii at the nominal angle, of error-free parts, of the actual geometry, "
+        "Hertz constants: from each contact's radii at the nominal angle, error-free parts, or the actual geometry, "
         "or as in Lin's Table B.1",
         "actual",
     )
@@ -522,7 +522,7 @@ class Circulation:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Time:
-    """Duration and number of steps of a computation over time, for ``rollbench friction``; angle or duration is given.
+    """Duration and number of steps of a computation over time, for ``rollbench friction``; give angle or duration.
 
     Angle in rad, duration in s.
     """

@@ -89,7 +89,7 @@ def shaft_scene_from_keys(
 
 
 def _geometry_faults_of_scene(scene: Scene | Assembly) -> Iterator[Fault]:
-    """Yield the geometry faults of all nuts and ball bearings of a scene, which make them impossible to build."""
+    """Yield the faults of dimensions with which nuts or ball bearings of a scene cannot be built."""
     for one in (scene,) if isinstance(scene, Scene) else (s.parts for s in scene.sets):
         if isinstance(one, Scene):
             yield from geometry_faults(one)
@@ -241,7 +241,7 @@ def _drive_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
             "a mass without nut" if not leads else f"nuts with leads of {', '.join(length_text(x) for x in sorted(leads))}"
         )
         advice = "add the nut that moves the mass, or leave the mass out"
-        yield Fault(("drive.mass",), "only together with nuts of one lead", advice, found)
+        yield Fault(("drive.mass",), "only together with nuts of equal lead", advice, found)
     if keys.drive.time is not None and keys.motion is None:
         advice = 'add the speed that is reached, e.g. speed = "600 rpm" under [motion]'
         yield Fault(("drive.time",), "only together with [motion]", advice)
@@ -518,7 +518,7 @@ def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterat
             yield Fault((where,), "each freedom once at each position along the shaft", advice, f"{n} twice")
 
 
-# --- sets of bearings by name
+# --- arrangements of bearings, such as "DBD"
 
 
 def arrangement_faults(set_path: str, set_keys: NutOrBearingKeys) -> Iterator[Fault]:
@@ -662,7 +662,7 @@ def with_groove_radii_from_rigidity(bearing: Scene, set_keys: NutOrBearingKeys, 
     try:
         implied = conformity_for_rigidity(bearing, set_keys.pair_preload, set_keys.pair_rigidity)
     except ValueError as error:
-        allowed = "a rigidity that follows from a conformity of the grooves"
+        allowed = "a rigidity that some conformity of the grooves gives"
         raise InputError(
             file_name, f"{set_path}.pair_rigidity", given, allowed, f"correct balls, preload or rigidity: {error}"
         ) from None

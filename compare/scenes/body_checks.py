@@ -125,7 +125,7 @@ def hertz_constant_faults(scene: Scene) -> Iterator[Fault]:
 
 
 def _groove_width_faults(scene: Scene, largest_ball_radius: float) -> Iterator[Fault]:
-    """Yield the faults of groove radii: not above the largest ball radius or far above it; and of profile errors.
+    """Yield the faults of groove radii, too small for the largest ball or far too large, and those of profile errors.
 
     ``largest_ball_radius``: radius of the largest ball, without random errors [m].
     """
@@ -353,9 +353,9 @@ def _ball_circuit_faults(scene: Scene) -> Iterator[Fault]:
     half, length = 0.5 * scene.nut.length, scene.screw.length
     if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
         allowed = (
-            f"a run with the nut's centre from {length_text(half)} to {length_text(length - half)}, so that the nut is on "
-            "the screw"
+            f"a simulation with the nut's centre from {length_text(half)} to {length_text(length - half)}, so that the nut "
+            "is on the screw"
         )
         path = f"the nut's centre would move from {length_text(float(ends[0]))} to {length_text(float(ends[1]))}"
-        advice = f"shorten the run or lengthen the screw: {path}"
+        advice = f"shorten the simulation or lengthen the screw: {path}"
         yield Fault(("time.angle", "time.duration"), allowed, advice)

@@ -156,7 +156,7 @@ class KeyFaults:
         return self.replaced_names <= INDEPENDENT_TABLES
 
     def concern_values_of_file(self, keys: Sequence[str]) -> bool:
-        """Return whether a fault of the keys ``keys`` is one of the file itself, not of a value replaced while reading."""
+        """Return whether a fault of the keys ``keys`` is in the file itself, not in an example that replaced a value."""
         return not any(key.split(".")[0].split("[")[0] in self.replaced_names for key in keys)
 
 

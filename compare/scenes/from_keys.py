@@ -222,16 +222,17 @@ def ball_oversize_for_preload(scene: parts.Scene, force: float) -> float:
 
     All four contacts of each of the n balls carry Q = force / (n sin beta cos alpha), with the contact angle beta and the
     lead angle alpha. The approaches of the two opposite contacts on a ball, one on the screw and one on the nut, add up to
-    twice the oversize: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact angle. It
-    is valid if e is small against the distance of ball and groove centre, so that the contact angle hardly changes (the
-    error is one per cent of the force for an oversize of 7 um and a distance of 0.5 mm).
+    twice the oversize: 2 e = (C_S + C_N) Q^(2/3), with the Hertz constants C [m N^(-2/3)] at the nominal contact angle. The
+    formula is valid if e is small against the distance of ball and groove centre, so that the contact angle hardly changes
+    (the error is one per cent of the force for an oversize of 7 um and a distance of 0.5 mm).
 
     Parameters
     ----------
     scene
         Scene with one nut or bearing row.
     force
-        Preload [N]: the axial force in each of the two directions, on the left and on the right flanks, without load.
+        Preload [N]: the axial force in each of the two directions, on the left and on the right flanks, without external
+        load.
     """
     from rollbench.lowfi.statics.contacts import hertz_without_errors
 

@@ -43,8 +43,9 @@ Steels = tuple[RexsComponent | None, RexsComponent | None]
 class RexsConversion:
     """REXS file while it is converted to a scene, with the user's values and all faults, assumptions and omissions so far.
 
-    ``given``: the user's values, as text by the keys of the scene file; ``missing``: faults because of missing attributes;
-    ``assumed``: sentences on assumptions; ``notes``: sentences on parts of the file that are omitted.
+    ``user_values``: the user's values, as text by the keys of the scene file; ``missing_attribute_faults``: faults because
+    of missing attributes; ``assumptions``: sentences on assumptions; ``omission_notes``: sentences on parts of the file
+    that are omitted.
     """
 
     path: Path

@@ -46,9 +46,9 @@ GRADES = {
 }
 MATERIALS = STANDARD | {grade: STANDARD[name] for name, grades in GRADES.items() for grade in grades}
 MATERIAL_NAMES = (
-    "a standard material, typical values in place of the two keys below, which go before it: "
+    "a standard material, with typical values for those of the two keys below that are left out: "
     + ", ".join(f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items())
-    + "; with both keys below any other name"
+    + "; any other name if both keys below are given"
 )
 OTHER_NAME = "any other name with youngs_modulus and poissons_ratio"
 

@@ -106,7 +106,7 @@ class RexsRelation:
 class RexsModel:
     """Contents of a REXS file: components of a drive train, their relations, and load cases.
 
-    ``components``: components by their ids; ``relations``: relations between them; ``cases``: for each load case, the
+    ``components``: components by their ids; ``relations``: relations between them; ``load_cases``: for each load case, the
     attributes that it states, by the ids of the components.
     """
 

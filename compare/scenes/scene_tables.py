@@ -98,8 +98,8 @@ def _describes_shaft_with_several_parts(tables: dict[str, Any]) -> bool:
 def single_nut_scene_from_tables(tables: dict[str, Any], file_name: str) -> Scene | DutyCycle:
     """Return the ball screw or bearing that the tables of a scene file describe, in one load case or several.
 
-    ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all that can be
-    detected before the first ones are corrected.
+    ``tables``: the tables; ``file_name``: name of the file, for messages. SceneError for faults; it lists all faults that
+    can be detected in one reading.
     """
     keys, key_faults = validate_and_collect_faults(tables, SceneKeys)
     texts = list(key_faults.messages)

@@ -318,7 +318,9 @@ class SceneKeys(keys.TitleKeys):
     circulation: parts.Circulation | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
     time: parts.Time | None = key("simulation over time", None, {"angle": "360 deg"})
     preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
-    gate: parts.GateLimits = key("limits for the command rollbench check", parts.GateLimits(), {"max_error": 7})
+    gate: parts.GateLimits = key(
+        "largest accepted errors of contact loads, for rollbench check", parts.GateLimits(), {"max_error": 7}
+    )
     operation: parts.Operation = key("reliability, lubrication, speed limit", parts.Operation(), {"reliability": 95})
 
 
@@ -404,7 +406,7 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "shift of its outer part relative to its housing, along z (spacer, lead offset)", "0 um", "4 um"
     )
     preload: Push = key(
-        "axial force to which the outer part is shifted at mounting, without loads, and then fixed; or in per cent of the "
+        "axial force, without loads, up to which the outer part is shifted before it is fixed; or in per cent of the "
         'dynamic load rating of balls as computed: "5 % of C"',
         "0 N",
         "500 N",
@@ -424,7 +426,7 @@ class NutOrBearingKeys(keys.SceneFileTable):
         "750 N/um",
     )
     position: ranges.Station | None = key(
-        "of rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
+        "for rollers: axial position of the middle of the cup's contact lines", None, "30 mm"
     )
     track: TrackKeys | None = key("path of the ball centres", None)
     screw: InnerRingKeys | None = key("its inner ring, or its groove on the shaft if that differs", None)
@@ -494,7 +496,7 @@ class ShaftModelOptionKeys(keys.SceneFileTable):
     """Options of the low-order models of a shaft with nuts and bearings."""
 
     hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
-        "contact constants: each contact's radii at the nominal angle, error-free parts, actual geometry, or Table B.1",
+        "Hertz constants: from each contact's radii at the nominal angle, error-free parts, actual geometry, or Table B.1",
         "nominal",
         "actual",
     )
@@ -502,7 +504,7 @@ class ShaftModelOptionKeys(keys.SceneFileTable):
         "nodes of the shaft: at every contact, or as in Lin's thesis (15 mm in every nut)", "nodal", "source"
     )
     section: Literal["groove", "groove squared", "full"] = key(
-        "section of the threaded shaft: diameters scaled by k_r (Lin C.8), by k_r without its root, or full",
+        "section of threaded shaft: diameter times k_r, root of grooved over full volume (Lin C.8); times k_r^2; or full",
         "groove",
         "full",
     )

@@ -63,7 +63,7 @@ class FrictionLawKeys(CoulombFrictionKeys):
     creep: Creep | None = key('sliding speed below which friction is reduced, for law = "regularised"', None)
     sharpness: Sharpness | None = key('parameter k_S of the law "sigmoid"', None)
     map_step: MapStep | None = key(
-        'step in c/a of tabulated friction, for law = "sigmoid"; exact integrals if left out', None
+        'step of c/a (centre of rotation over semi-axis) in friction tables of law = "sigmoid"; exact if left out', None
     )
 
 
@@ -317,7 +317,7 @@ class BottomAngleDeviationKeys(SceneFileTable):
     """Deviation of the bottom groove's contact angles from the nominal one: smaller on the left, larger on the right."""
 
     deviation: common.Theta = key("deviation theta of the bottom groove's contact angles")
-    mated: bool = key("whether the top groove's angles match (Lin 3.3.4.2)", False, False)
+    mated: bool = key("whether the top groove's angles are matched to those of the bottom (Lin 3.3.4.2)", False, False)
 
 
 class BallOfChainKeys(SceneFileTable):

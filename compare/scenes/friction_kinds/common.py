@@ -29,7 +29,7 @@ from rollbench.meshes.scene_text import toml_of_tables
 
 
 class FrictionSceneKeys(TitleKeys):
-    """Keys that the file of every scene has for which only friction is computed: kind, material, title."""
+    """Keys in the file of every scene for which only friction is computed: kind, material, title."""
 
     kind: str = key("what the scene describes")
     material: MaterialKeys = key("material of all parts", example=MATERIAL)
@@ -68,8 +68,8 @@ def name_title_source_and_assumptions(keys: FrictionSceneKeys, name: str) -> Hea
 class FrictionSceneKind:
     """Kind of scene for which only friction is computed: how its file is read.
 
-    ``keys``: class of the keys; ``faults``: function that yields the faults of keys; ``record``: function that returns the
-    scene from its keys and its name.
+    ``key_class``: class of the keys; ``faults_of_keys``: function that yields the faults of keys; ``scene_from_keys``:
+    function that returns the scene from its keys and its name.
     """
 
     key_class: type[FrictionSceneKeys]

@@ -86,7 +86,7 @@ class BallReturnKeys(SceneFileTable):
 
 @dataclass(frozen=True)
 class SimulationTimeKeys(Time):
-    """Length and steps of a simulation over time, and number of iterations of loads and friction in each step."""
+    """Duration and number of steps of a simulation over time, and iterations between loads and friction in each step."""
 
     rounds: Annotated[int, IntegerRange(1, 100)] = frozen_default(
         1, "iterations between loads and friction in each time step; 1: loads with the friction of the step before", 1

@@ -139,7 +139,7 @@ def test_a_mass_needs_a_nut_and_a_lubricant_a_bearing():
     with pytest.raises(InputError, match=r"lubricant: got .*bearing"):
         scene_file.parse_scene(f'{text}\n[lubricant]\nviscosity = "27 mm2/s"\n', "mine.toml")
     support = catalogue.shipped_scene_text("smith-axis")
-    with pytest.raises(InputError, match="nuts of one lead"):
+    with pytest.raises(InputError, match="nuts of equal lead"):
         scene_file.parse_scene(f'{support}\n[drive]\nmass = "100 kg"\n', "mine.toml")
 
 
