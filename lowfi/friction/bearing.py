@@ -1,10 +1,10 @@
 """Friction of balls in rotary bearings: one ball with up to four contacts, and whole bearings.
 
-Both follow sections 3.2 and 4.3.1 of Lin's thesis.
-A bearing is treated as a ball screw of zero lead whose "screw" is the inner ring. At the ball, x is along the bearing's
-axis, y radially outward, and z along the ball's path (z3, x3, y3 of a screw). The contacts are IL, IR, OR, OL (inner or
-outer ring; left or right, towards -x or +x). The inner ring rotates about x, the outer ring is at rest. Contact loads lie
-in the x-y plane and friction acts along z, so that friction does not change the loads.
+The one ball follows section 3.2, the whole bearings section 4.3.1 of Lin's thesis. A bearing is treated as a ball screw of
+zero lead whose "screw" is the inner ring. At the ball, x is along the bearing's axis, y radially outward, and z along the
+ball's path (z3, x3, y3 of a screw). The contacts are IL, IR, OR, OL (inner or outer ring; left or right, towards -x or +x).
+The inner ring rotates about x, the outer ring is at rest. Contact loads lie in the x-y plane and friction acts along z, so
+that friction does not change the loads.
 
 The whole bearings are a four-point bearing and a double-row angular-contact bearing, whose friction torque is computed
 against the angle of the load: first the loads of all balls between two rigid rings, then each ball's motion of least
@@ -48,8 +48,8 @@ SIDES = ("IL", "IR", "OR", "OL")
 #: omega_x3, omega_y3, omega_z3) in the order of this module (omega_B, omega_x, omega_y, omega_z).
 AROUND, TURNS = [0, 1, 3, 2], [0, 3, 1, 2]
 
-#: Signs of the contacts' positions relative to the ball's centre along x and along y, in the order of ``SIDES``; which
-#: contacts are on the inner ring.
+#: For the contacts in the order of ``SIDES``: signs of their positions relative to the ball's centre along x, then along y,
+#: and whether they are on the inner ring.
 AXIAL, RADIAL, INNER = SIGN_Z[AROUND], SIGN_X[AROUND], ON_SCREW
 
 
@@ -261,9 +261,9 @@ def solve_ball_by_lin_method(
 ) -> BearingBallSolution:
     """Return the contact loads and the motion of one ball of a bearing by Lin's method, errors in its equations included.
 
-    It uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19 and the
-    torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, over sigmoids
-    of increasing sharpness.
+    The method uses the Hertz constants of Table B.1 of Lin's thesis, the sigmoid friction law, a root of equation 3.19
+    and the torque by equation 3.21. The root is searched from the motion of least dissipation and, if this fails, over
+    sigmoids of increasing sharpness.
 
     Parameters
     ----------
@@ -321,7 +321,8 @@ class BallRow:
 
     #: Axial position of the row [m].
     place: float
-    #: Whether its grooves have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right flank).
+    #: Whether the grooves of the row have the contacts SL, SR, NL, NR (S: inner ring, N: outer ring; L, R: left or right
+    #: flank).
     contacts: tuple[bool, bool, bool, bool]
 
 
@@ -359,7 +360,7 @@ class BearingCase:
 
 @dataclass(frozen=True)
 class BearingState:
-    """Contact loads and friction of a bearing under one load. Arrays list all N balls, row after row."""
+    """Contact loads and friction of a bearing under one force on its inner ring. Arrays list all N balls, row after row."""
 
     #: Contact loads and contact angles of the balls, with the displacements of balls and inner ring.
     load: ContactLoadSolution
@@ -474,7 +475,7 @@ def solve_bearing(case: BearingCase, force_angle: float, near: BearingState | No
 
 @dataclass(frozen=True)
 class BearingTorqueCurve:
-    """Friction torque of a bearing at several angles of its load (Figure 4.7 of Lin's thesis)."""
+    """Friction torque of a bearing at several angles of the force on its inner ring (Figure 4.7 of Lin's thesis)."""
 
     #: Angles of the force from the axis ``(n,)`` [rad].
     angle: Array

@@ -47,10 +47,11 @@ class BallToBallContact:
     A ball has n unknowns of motion, the first of which is its motion along the track.
     """
 
-    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of its
-    #: unknowns ``(2, n)``.
+    #: Velocity of the first ball's surface at its contact with the second ball, along two tangents, per unit of the first
+    #: ball's unknowns ``(2, n)``.
     first_ball_surface_speeds: Array
-    #: Velocity of the second ball's surface at this contact, along the same tangents, per unit of its unknowns ``(2, n)``.
+    #: Velocity of the second ball's surface at this contact, along the same tangents, per unit of the second ball's
+    #: unknowns ``(2, n)``.
     second_ball_surface_speeds: Array
     #: Velocity at which two balls approach each other, per difference of their first unknowns.
     closing_speed_factor: float
@@ -129,7 +130,7 @@ class BallMotionsByLin:
 
     #: Motions of the balls ``(N, n)``.
     ball_motions: Array
-    #: Motions of the balls if they exert no forces on each other ``(N, n)``.
+    #: Motions that the balls would have without forces on each other ``(N, n)``.
     motions_without_ball_forces: Array
     #: Force of each ball on the next one ``(N-1,)`` [N].
     ball_force: Array
@@ -182,7 +183,7 @@ def ball_forces_and_losses(balls: LoadedBalls, law: FrictionLaw, q: Array, ball_
 
 
 def touching_groups(touching: Mask) -> list[slice]:
-    """Return the index ranges of groups of touching balls; a ball that touches no other one is a group by itself.
+    """Return the index range of each group of touching balls; a ball that touches no other one is a group by itself.
 
     ``touching``: whether each ball touches the next one ``(N-1,)``.
     """
@@ -210,7 +211,7 @@ def solve_touching_group(
     turn = pair.surface_speed_per_unit / pair.speed
 
     def split(x: Array) -> tuple[Array, Array]:
-        """Return motions and forces from the scaled unknowns x."""
+        """Return motions ``(N, n)``, then ball-to-ball forces ``(N-1,)`` [N], from the scaled unknowns x."""
         return x[: q.size].reshape(q.shape) / turn, x[q.size :] * bound
 
     def residual(x: Array) -> Array:
@@ -229,7 +230,7 @@ def solve_touching_group(
 def solve_touching_groups(
     balls: LoadedBalls, law: FrictionLaw, touching: Mask, start: tuple[Array, Array]
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of N balls and the forces between them, if it is known which of them touch.
+    """Return the motions of N balls and the forces between them, for known pairs of touching balls.
 
     Each group of touching balls is solved separately. ``balls``: the balls; ``law``: friction law of the contacts with
     the grooves; ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: motions, n unknowns for
@@ -271,8 +272,8 @@ def solve_motions_of_balls_by_root(
 ) -> BallMotionsByLin:
     """Return the motions of a row of balls and the forces between them by the method of Lin's thesis.
 
-    The status is "failed" for a friction law with which the equations have no root, such as Coulomb's if a contact
-    sticks. Lin's text does not say from which motions the searches start.
+    The status of the result is "failed" for a friction law with which the equations have no root, such as Coulomb's if
+    a contact sticks. Lin's text does not say from which motions the searches start.
 
     Parameters
     ----------

@@ -3,8 +3,8 @@
 Numbers of sections and equations in this module are those of Lin's thesis (2019); the method is described in section 3.4.
 
 Contact loads without friction: the unknowns are the position of each ball in its groove section (2), its contact angles
-gamma (4), and the screw's motions. If the screw is rigid, this is the state of chapter 2 (equations 2.11 to 2.25), searched
-by the hybrid method.
+gamma (4), and the screw's motions. For a rigid screw, this is the state of chapter 2 (equations 2.11 to 2.25), which is
+searched by the hybrid method.
 
 Contact loads coupled with friction (sections 3.4.1 and 3.4.2): loads and motion of balls are the root of one system. The
 unknowns of a ball, named above equation 3.71, are its position in the groove section (2), its contact angles gamma (4) and
@@ -14,7 +14,7 @@ computed first, and this position is then held.
 A whole ball screw over time (section 3.4.4): in each step the loads are found as a root, then the motion of every ball
 separately, then the motion of groups of balls which are near enough to touch and approach each other (equation 3.77). The
 positions advance with these speeds. The method does not prevent negative gaps; the property
-`ScrewHistoryByLin.largest_overlap` gives the largest of them.
+`ScrewHistoryByLin.largest_overlap` gives the largest overlap of balls.
 
 To count failures, the root is searched from several starts: from rolling balls, and from random deviations from rollbench's
 own solution. Every search yields the motion that it found, or None if Lin's method finds no contact loads to begin with.
@@ -76,15 +76,16 @@ class BallPositions:
 def contact_loads_at_positions(cell: BallsBetweenGrooves, positions: BallPositions) -> tuple[Array, Array, Array]:
     """Return the contact loads of N balls in given positions, and by how much the contact angles miss their conditions.
 
-    Both follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the tangent of the
-    groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``: positions of
-    balls and screw.
+    Loads and misses follow from the contact conditions in chapter 2 of Lin's thesis: at the contact angle gamma, the
+    tangent of the groove is perpendicular to the line of centres. ``cell``: the balls and their grooves; ``positions``:
+    positions of balls and screw.
 
     Returns
     -------
     tuple
-        Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent over the distance of
-        the centres, zero if the condition is satisfied ``(N, 4)``; unit normals of the contacts ``(N, 4, 2)``.
+        Contact loads ``(N, 4)`` [N]; scalar product of the line of centres and the groove's tangent, divided by the
+        distance of the centres, which is zero if the contact angle satisfies its condition ``(N, 4)``; unit normals of
+        the contacts ``(N, 4, 2)``.
     """
     g, c, s = cell.groove, np.cos(positions.contact_angles), np.sin(positions.contact_angles)
     screw = (cell.section_displacement_maps @ positions.screw_displacements + cell.given_screw_displacement)[:, None, :]
@@ -111,10 +112,10 @@ def load_and_approach_scales(cell: BallsBetweenGrooves) -> tuple[float, float]:
 def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
     """Return the positions of balls and screw from which Lin's search for the contact loads starts.
 
-    The screw is displaced along its load by four times the approach of a ball under its part of the load, plus the
-    clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has no stiffness
-    without preload. The function `solve_screw_contact_loads` starts from the same positions for a screw without given
-    displacement.
+    The screw is displaced along its load by four times the approach of a ball under an equal part of the load on the
+    screw, plus the clearance; the balls are displaced half as far. The nominal state, from which Lin's text starts, has
+    no stiffness without preload. The function `solve_screw_contact_loads` starts from the same positions for a screw
+    without given displacement.
     """
     total, (_, size) = float(np.linalg.norm(cell.external_screw_force)), load_and_approach_scales(cell)
     size += max(0.0, -float(np.min(cell.interference)))
@@ -127,9 +128,9 @@ def starting_positions(cell: BallsBetweenGrooves) -> BallPositions:
 def solve_contact_loads_by_root(cell: BallsBetweenGrooves, start: BallPositions | None = None) -> ContactLoadSolution:
     """Return the contact loads of N balls without friction, as the root of 6 N + m equations for a screw with m motions.
 
-    ``start``: positions from which the search starts; None: `starting_positions`. In the result, ``left`` is the largest
-    force out of balance [N], ``steps`` the number of evaluations of the equations, and ``converged`` is False if no root
-    was found.
+    ``start``: positions from which the search starts; None: `starting_positions`. In the result,
+    ``largest_unbalanced_force`` is the largest force out of balance [N], ``steps`` the number of evaluations of the
+    equations, and ``converged`` is False if no root was found.
     """
     n = cell.angle.shape[0]
     scale, size = load_and_approach_scales(cell)
@@ -248,7 +249,7 @@ def solve_loads_and_motion_of_group(
     size, bound = float(np.max(g.contact_hertz_constants.C)) * reference_load ** (2.0 / 3.0), g.mu * reference_load or 1.0
 
     def split(x: Array) -> tuple[BallPositions, Array, Array]:
-        """Return positions, motions and forces between the balls from the scaled unknowns x."""
+        """Return positions, then motions, then forces between the balls, from the scaled unknowns x."""
         by_ball = x[: 10 * n].reshape(n, 10)
         return (
             BallPositions(by_ball[:, :2] * size, by_ball[:, 2:6], start.positions.screw_displacements),
@@ -329,7 +330,8 @@ def solve_loads_and_motion_of_groups(
 def lin_state_of_result(result: ScrewPairSolution, touching: bool) -> BallStateByLin:
     """Return rollbench's solution for two balls of a screw as a state from which searches by Lin's method start.
 
-    ``result``: this solution; ``touching``: whether to take the state with ball-to-ball contact (True) or that without.
+    ``result``: solution by rollbench; ``touching``: True for its state with ball-to-ball contact, False for that
+    without.
     """
     solution = result.touching if touching else result.apart
     at = BallPositions(solution.loads_with_friction.ball_displacements, solution.loads_with_friction.angle, np.zeros(0))
@@ -341,9 +343,9 @@ def solve_motion_of_separate_balls(
 ) -> BallStateByLin:
     """Return the motions of balls that do not touch each other, at contact loads without friction.
 
-    They are found by a search from nominal rolling. Searches for loads and motion together start from this state if no
-    other start is given. ``cell``: the balls and their grooves; ``load``: their contact loads without friction; ``law``:
-    friction law.
+    The motions are found by a search from nominal rolling. Searches for loads and motion together start from this state
+    if no other start is given. ``cell``: the balls and their grooves; ``load``: their contact loads without friction;
+    ``law``: friction law.
     """
     n, pair = cell.angle.shape[0], ball_to_ball_contact_of_screw(cell.groove)
     none, first = np.zeros(n - 1), np.tile(pair.nominal_rolling_motion, (n, 1))

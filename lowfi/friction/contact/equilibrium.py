@@ -26,8 +26,8 @@ from rollbench.lowfi.friction.contact.laws import ContactFriction, EllipticalCon
 from rollbench.lowfi.jit import CONTACT, load_kernel_package
 from rollbench.meshes.arrays import Array
 
-#: Unbalanced force, over the sum of all forces, at which the iteration ends, and up to which its result counts as
-#: converged.
+#: Unbalanced force, divided by the sum of all forces: value at which the iteration ends, and value up to which the result
+#: counts as converged.
 GOAL, ACCEPTED = 1e-13, 1e-8
 #: Largest number of Newton steps.
 STEPS = 600
@@ -69,11 +69,11 @@ def solve_contact_loads(
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between two rigid bodies, by Newton's method with line search.
 
-    They are found at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the displacements u
-    of the inner body and p of the balls. C is the Hertz constant of a contact, <approach> the approach where positive,
-    and pull and push are the applied forces on inner body and balls in ``cell``. The model is valid for approaches far
-    below the distance of groove centre and ball centre. The loads do not depend on the displacements from which the
-    search begins.
+    The loads are found at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - pull . u - push . p over the
+    displacements u of the inner body and p of the balls. C is the Hertz constant of a contact, <approach> the approach
+    where positive, and pull and push are the applied forces on inner body and balls in ``cell``. The model is valid for
+    approaches far below the distance of groove centre and ball centre. The loads do not depend on the displacements
+    from which the search begins.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class BodyMotionProblem:
     def surface_speed_per_unknown(self) -> Array:
         """Return the surface speed of the loaded contacts per unit of each unknown velocity ``(n,)``.
 
-        It is 1 for an unknown that moves none of them. Solvers scale the unknowns by these values.
+        The speed is 1 for an unknown that moves no loaded contact. Solvers scale the unknowns by these values.
         """
         rows = (
             self.contact_motion_maps
@@ -187,7 +187,7 @@ class BodyMotionProblem:
         """Return the largest unbalanced force on the body [N] under given friction and the other forces.
 
         ``friction``: friction at the contacts. The generalised force on each unknown is divided by its surface speed
-        per unit (`units`), so that it is a force.
+        per unit (`surface_speed_per_unknown`), so that it is a force.
         """
         wrench = np.column_stack([friction.force, friction.moment])
         return float(
@@ -232,8 +232,8 @@ class BodyMotion:
 def least_dissipation(problem: BodyMotionProblem, start: Array | None = None, fast: bool = False) -> BodyMotion:
     """Return the quasi-static motion of a body on frictional contacts: the motion of least dissipation.
 
-    The dissipated power less the power of the other forces (eq. (1) of this module) is least there, so that all forces
-    are in balance. Unknowns that cause no dissipation keep their values at the start.
+    At this motion the dissipated power less the power of the other forces (eq. (1) of this module) is least, so that
+    all forces are in balance. Unknowns that cause no dissipation keep their values at the start.
 
     Parameters
     ----------
@@ -293,8 +293,8 @@ def remove_friction_forces(motion: BodyMotion) -> BodyMotion:
 def motion_by_root(problem: BodyMotionProblem, law: FrictionLaw, start: Array, fast: bool = False) -> BodyMotion:
     """Return the motion of a body at which its friction balances, as a root found by MINPACK's hybrid method.
 
-    This is the method of Lin's thesis, which uses Matlab's fsolve for eq. (3.19). It fails from many starts near
-    two-point contact, and for sharp sigmoids.
+    This is the method of Lin's thesis, which uses Matlab's fsolve for eq. (3.19). The method fails from many starts
+    near two-point contact, and for sharp sigmoids.
 
     Parameters
     ----------

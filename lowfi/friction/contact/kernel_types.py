@@ -11,7 +11,7 @@ Array = NDArray[Any]
 class DissipationTerms(NamedTuple):
     """Power dissipated by friction in one contact, divided by its friction bound mu F, and the derivatives of this ratio.
 
-    The ratio D has the unit of a speed [m/s]. It is differentiated by the sliding velocity (vx, vz) [m/s], by the spin
+    The ratio D has the unit of a speed [m/s]. D is differentiated by the sliding velocity (vx, vz) [m/s], by the spin
     [rad/s] and by the regularising speed of Coulomb friction [m/s].
     """
 
@@ -70,10 +70,10 @@ class BallContactState(NamedTuple):
     An unbalanced force is the derivative of the elastic energy less the work of the applied forces by a displacement.
     """
 
-    #: Derivative of elastic energy less work of the applied forces by the positions of the balls: forces out of balance (N,
-    #: 2) [N].
+    #: Forces out of balance on the balls (N, 2) [N]: derivative, by their positions, of the elastic energy less the work of
+    #: the applied forces.
     ball_unbalanced_forces: Array
-    #: Derivative of the same function by the displacements of the inner body (m,) [N].
+    #: Forces out of balance on the inner body (m,) [N]: derivative of the same function by its displacements.
     inner_unbalanced_forces: Array
     #: Stiffness of the contacts, entries xx, xz, zz of a symmetric matrix (N, 4, 3) [N/m].
     stiffness: Array

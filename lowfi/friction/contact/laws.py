@@ -62,7 +62,7 @@ class ContactDissipation:
     gradient: Array
     #: Second derivatives by vx, vz and spin ``(n, 3, 3)`` [N s/m, N s, N m s].
     hessian: Array
-    #: Value less the friction loss ``(n,)`` [W]; zero without a regularising speed.
+    #: Dissipated power less the friction loss ``(n,)`` [W]; zero without a regularising speed.
     excess_over_loss: Array
 
 
@@ -124,7 +124,7 @@ def dissipated_power(
         Sliding and spin of the contacts, vx, vz [m/s] and spin [rad/s] ``(n, 3)``. A contact at rest without regularisation
         has no gradient; zeros are returned.
     regularising_speed
-        Regularising speed >= 0 [m/s]; it raises the power by at most mu F times this speed.
+        Regularising speed >= 0 [m/s], which raises the power by at most mu F times its value.
     fast
         Whether to use compiled kernels.
 
@@ -159,8 +159,8 @@ def friction_forces(
 
     References
     ----------
-    Lin (2019), 3.16 to 3.18, here for any coordinate d of the centre of rotation along z. Lin's moment M_iO is about -y, so
-    that it has the opposite sign.
+    Lin (2019), 3.16 to 3.18, here for any coordinate d of the centre of rotation along z. Lin's moment M_iO is about
+    -y, so that its sign is opposite to that of the moment here.
 
     Examples
     --------
@@ -220,8 +220,8 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
     """Return the largest relative error of a friction force that is assumed to be linear in c/a, for 0 < |c/a| <= reach.
 
     c is the distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a. The ratio
-    of the exact force to t = c/a is k_f - g t^2 (`linear_friction_force_factor`, `cubic_friction_force_factor`). It is
-    monotonous in t, so the error is largest at an end of the range.
+    of the exact force to t = c/a is k_f - g t^2 (`linear_friction_force_factor`, `cubic_friction_force_factor`). This
+    ratio is monotonous in t, so the error is largest at an end of the range.
 
     Parameters
     ----------
@@ -304,14 +304,14 @@ class SigmoidLaw:
     #: Step in c/a of Lin's table of friction forces, in which he interpolates linearly; None for exact integrals. c is the
     #: distance of the centre of rotation from the centre of the contact ellipse along its semi-axis a.
     map_spacing: float | None = None
-    #: Whether the sigmoid is a function of abs(spin). If it is one of the signed spin, as printed in Lin's eq. (3.19), the
-    #: sign enters twice, and friction does not change its sign with the motion.
+    #: Whether the sigmoid is a function of abs(spin). If the sigmoid is one of the signed spin, as printed in Lin's eq.
+    #: (3.19), the sign enters twice, and friction does not change its sign with the motion.
     uses_spin_magnitude: bool = True
 
     def sigmoid_of_spin(self, spin: Array) -> Array:
         """Return the sigmoid Sig(k_S spin/reference) at each ``spin`` [rad/s].
 
-        It is computed as a hyperbolic tangent, which cannot overflow.
+        The sigmoid is computed as a hyperbolic tangent, which cannot overflow.
         """
         x = np.abs(spin) if self.uses_spin_magnitude else spin
         return np.asarray(np.tanh(0.5 * self.sharpness * x / self.reference_spin))

@@ -1,14 +1,14 @@
 """Linear ball bearing of two V-grooves: geometry, contact directions, Hertz contacts, and normal loads of one ball.
 
 Contacts are ordered BL, BR, TR, TL (bottom left, bottom right, top right, top left; Lin Figure 3.10). The bottom is at
-rest, the top (the carriage) moves along z. Angles are measured from -y (bottom) and +y (top) towards the sides. Loads are
-those under the forces N_y (pressing) and N_x = rho N_y on the carriage, computed in three ways. They do not depend on
-friction, which acts along the track (section 3.3.2 of Lin's thesis).
+rest, the top (the carriage) moves along z. Angles are measured from -y (bottom) and +y (top) towards the sides. Contact
+loads are those under the forces N_y (pressing) and N_x = rho N_y on the carriage, computed in three ways. These loads do
+not depend on friction, which acts along the track (section 3.3.2 of Lin's thesis).
 
 The closed formulas of section 3.3.3 of Lin's thesis, rederived, give ball velocity, ball-to-ball force and loss in
-four-point contact. They are valid where all four contacts carry load and their centres of rotation stay within about half a
-semi-axis of the contact centres. The printed eqs. (3.42), (3.43), (3.51) of Lin's thesis have 1 - cos 2 beta_0 where the
-derivation gives tan beta_0; both are 1 at the 45 degrees of the case study.
+four-point contact. These formulas are valid where all four contacts carry load and their centres of rotation stay within
+about half a semi-axis of the contact centres. The printed eqs. (3.42), (3.43), (3.51) of Lin's thesis have 1 - cos 2 beta_0
+where the derivation gives tan beta_0; both are 1 at the 45 degrees of the case study.
 """
 
 from __future__ import annotations
@@ -156,8 +156,8 @@ def top_deviations_matching_bottom(bottom: Array) -> Array:
 def loads_equal_on_diagonals(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
     """Return loads of a ball's contacts that are equal on each diagonal, BL with TR and BR with TL.
 
-    They are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin beta_0)/2
-    with the vertical force N_y, the side force N_x and the contact angle beta_0.
+    These loads are F_BL = F_TR = (N_y/cos beta_0 - N_x/sin beta_0)/2 and F_BR = F_TL = (N_y/cos beta_0 + N_x/sin
+    beta_0)/2 with the vertical force N_y, the side force N_x and the contact angle beta_0.
 
     Parameters
     ----------

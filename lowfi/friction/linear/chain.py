@@ -119,7 +119,7 @@ class LinearChainSolution:
 
     @property
     def loss(self) -> float:
-        """Power lost by all friction of the balls [W]."""
+        """Power lost by friction of the balls, with grooves and with each other [W]."""
         return float(self.groove_loss.sum() + self.ball_loss.sum())
 
     @property
@@ -139,7 +139,7 @@ class LinearChain:
 
     #: Bearing with speed and coefficients of friction.
     bearing: LinearBearing
-    #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``scale``.
+    #: Contacts and neighbours of the balls; speeds are in units of the carriage's speed, forces in units of ``force_unit``.
     kernel_arrays: ChainArrays
     #: Largest friction bound of a ball, the sum of mu F over its contacts [N].
     force_unit: float
@@ -283,7 +283,7 @@ def may_have_several_equilibria(chain: LinearChain) -> bool:
 def find_second_equilibrium(
     chain: LinearChain, known: LinearChainSolution, fast: bool = True
 ) -> LinearChainSolution | None:
-    """Return an equilibrium of a row of balls other than a known one; None if the search finds none, which is no proof.
+    """Return an equilibrium of a row of balls other than a known one; None if none is found, though one may exist.
 
     The search begins from several states: the end of the path of rising friction between balls, the motion without this
     friction, and all pairs pressed together. It also begins from the end of the path for higher coefficients of
@@ -338,7 +338,7 @@ def _solution_in_si_units(
     """Return motion, forces and losses of a row of balls in SI units at the ``point`` where a search ended.
 
     ``steps_and_residual``: number of Newton steps of the search, and its largest unbalanced force divided by the
-    chain's ``scale``; ``fast``: whether to use compiled kernels.
+    chain's ``force_unit``; ``fast``: whether to use compiled kernels.
     """
     contacts, shape, _, mu_balls, _, nominal = chain.kernel_arrays
     slips, pair, drift, push = point
@@ -381,7 +381,7 @@ def _solution_in_si_units(
 class LinearPairSolution:
     """Motion and forces of two balls in a linear bearing (Lin's case study), without and with contact between them.
 
-    ``free.deviation`` are the deviations epsilon of Lin's Table 3.4.
+    The deviations epsilon of Lin's Table 3.4 are ``apart.velocity_deviation``.
     """
 
     #: State of the two balls if they are too far apart to touch.
@@ -441,7 +441,7 @@ def pair_angles_and_loads(
     mated
         Whether the top groove is made to match the bottom groove, design (b) of section 3.3.4.2 of Lin's thesis.
     loads
-        How the contact loads are computed, see `solve_pair`.
+        How the contact loads are computed, see `solve_pair_of_linear_balls`.
     """
     angles = bearing.contact_angle + contact_angle_deviations(np.array([theta, theta]), mated=mated)
     side = np.array([side_force_ratio, -side_force_ratio])
@@ -536,7 +536,7 @@ def pair_results_over_grid(
 ) -> LinearPairResultsOverGrid:
     """Return the results of numerical model and closed formulas for two balls, for T deviations and R side force ratios.
 
-    The deviations theta are those of the contact angles on the bottom groove. These are the results in Figures 3.14 and
+    The deviations theta are those of the contact angles on the bottom groove. The results are those in Figures 3.14 and
     3.15 of Lin's thesis.
 
     Parameters

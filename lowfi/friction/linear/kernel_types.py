@@ -58,7 +58,7 @@ class EquationSmoothing(NamedTuple):
     ball_friction_fraction: float
     #: Product of ball-to-ball force and opening rate of the gap; zero for exact complementarity.
     force_rate_product: float
-    #: Stiffness of springs that draw the balls to nominal rolling, in addition to ``hold`` of ``ChainArrays``.
+    #: Stiffness of springs that draw the balls to nominal rolling, in addition to ``holding_stiffness`` of `ChainArrays`.
     spring_stiffness: float
 
 

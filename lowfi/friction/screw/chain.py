@@ -1,15 +1,16 @@
-"""Motion of many balls of a ball screw with friction and ball-to-ball contact as a complementarity problem.
+"""Motion of many balls of a ball screw with friction; ball-to-ball contact is a complementarity problem.
 
-On every ball the friction at its grooves is in balance with the forces of its neighbours: 0 <= F, 0 <= rate at which the
-gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). A semismooth Newton method solves
-for motions and forces together while the regularising speed of friction falls (`solve_motion_of_chain`).
+On every ball the friction at its grooves is in balance with the forces of its neighbours. These are a force F with 0 <= F,
+0 <= rate at which the gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). A
+semismooth Newton method solves for motions and forces together while the regularising speed of friction falls
+(`solve_motion_of_chain`).
 
 `solve_coupled_chain` lets the contact loads agree with the motion (section 3.4.1 of Lin's thesis): friction and
-ball-to-ball forces in the plane of the groove's section change the contact loads, and these the friction. Both are solved
-in turn in accelerated rounds. Friction that wedges a ball between grooves changes the loads by many times as much as it
-changes itself, so that these rounds run away. Loads and friction are then solved as one system (`solve_loads_and_motion`),
-in which the contact angles follow the ball's position. Newton's method follows its solution from no friction, smoothed, to
-all of it, hardly smoothed.
+ball-to-ball forces in the plane of the groove's section change the contact loads, and changed loads change the friction.
+Loads and friction are solved in turn in accelerated rounds. Friction that wedges a ball between grooves changes the loads
+by many times as much as it changes itself, so that these rounds run away. Loads and friction are then solved as one system
+(`solve_loads_and_motion`), in which the contact angles follow the ball's position. Newton's method follows the solution of
+this system from zero friction, strongly smoothed, to the full friction, hardly smoothed.
 """
 
 from __future__ import annotations
@@ -51,10 +52,10 @@ from rollbench.lowfi.friction.screw.motion import (
 from rollbench.lowfi.jit import CONTACT, SCREW, load_kernel_package
 from rollbench.meshes.arrays import Array
 
-#: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
+#: Regularising speeds of friction as fractions of the nut's speed along the path, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 
-#: Fractions of the friction between balls, to which it is raised in turn at the first of these speeds.
+#: Fractions of the friction between balls that act one after the other at the first regularising speed.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 
 #: Force out of balance, as a fraction of the largest friction bound (mu times load) of a ball: value aimed at (root of the
@@ -203,7 +204,7 @@ class ChainMotion:
     steps: int
     #: Whether the forces on all balls are in balance.
     converged: bool
-    #: Whether the search from the start that the caller gave found the solution.
+    #: Whether the solution was found from the start that the caller passed, not from another one.
     found_from_given_start: bool = False
 
     @property
@@ -213,7 +214,7 @@ class ChainMotion:
 
     @property
     def loss(self) -> float:
-        """Power lost by all friction of the balls [W]."""
+        """Power lost by friction of the balls, with grooves and with each other [W]."""
         return sum(self.losses_by_cause)
 
 
@@ -344,8 +345,8 @@ def solve_motion_of_chain(
 
     The search begins from ``start`` if balls press on each other there (with ``warm`` also if none do), then from the
     motions that the balls have without neighbours, both by Newton's method at the last, smallest regularising speed. If
-    both fail, friction between balls is raised and the regularising speed lowered by stages. A closed track needs a gap
-    somewhere: in a track that is full of balls the forces between them are not determined.
+    both searches fail, friction between balls is raised and the regularising speed lowered by stages. A closed track
+    needs a gap somewhere: in a track that is full of balls the forces between them are not determined.
 
     Parameters
     ----------
@@ -452,10 +453,11 @@ class LoadsAndMotionSolution:
     q: Array
     #: Force of ball k on ball k + 1 ``(N,)`` [N].
     ball_force: Array
-    #: Forces of friction and neighbours on the balls that their contact loads balance ``(N, 2)`` [N], field ``push`` of
-    #: `BallsBetweenGrooves`.
+    #: Forces of friction and neighbours on the balls that their contact loads balance ``(N, 2)`` [N], field of the same
+    #: name of `BallsBetweenGrooves`.
     ball_friction_forces: Array
-    #: Forces of friction on the screw that the contact loads balance ``(m,)`` [N], field ``drag`` of `BallsBetweenGrooves`.
+    #: Forces of friction on the screw that the contact loads balance ``(m,)`` [N], field of the same name of
+    #: `BallsBetweenGrooves`.
     screw_friction_forces: Array
     #: Whether the search arrived at the full friction; if not, this is the state in which it ended.
     reached_full_friction: bool
@@ -478,8 +480,8 @@ def solve_loads_and_motion(
     Parameters
     ----------
     cell
-        Balls between screw and nut with the external loads; the forces of friction in it (``push`` and ``drag``) are not
-        used, because they are unknown.
+        Balls between screw and nut with the external loads; its forces of friction (``ball_friction_forces``,
+        ``screw_friction_forces``) are not used, because they are unknown.
     slack
         Largest rate at which ball k may approach ball k + 1 ``(N,)`` [rad/s], inf where they cannot touch.
     start
@@ -534,8 +536,8 @@ def joint_kernel_arguments(cell: BallsBetweenGrooves, search: BalanceSearch) -> 
 class _LoadsAndMotionPath:
     """Solution of contact loads and ball motion as one system, followed while friction rises or its regularisation fades.
 
-    `follow_solution` moves the solution; the attributes ``ball``, ``screw``, ``q`` and ``ball_force`` are those of
-    `LoadsAndMotionSolution`.
+    `follow_solution` moves the solution; the attributes ``ball`` and ``screw`` (displacements [m]), ``q`` (motions) and
+    ``ball_force`` become fields of `LoadsAndMotionSolution`.
     """
 
     def __init__(self, cell: BallsBetweenGrooves, slack: Array, start: tuple[Array, Array], fast: bool) -> None:
@@ -596,7 +598,7 @@ class _LoadsAndMotionPath:
         )
 
     def solve_stage(self, guess: LoadsAndMotionUnknowns, share: float, eps: float) -> int | None:
-        """Solve contact loads and motion by Newton's method for one fraction and one regularising speed of friction.
+        """Solve contact loads and motion by Newton's method at one fraction of the friction and one regularising speed.
 
         ``guess``: unknowns to begin from, as `unknowns` returns them; ``share``: fraction of the friction that acts on
         the loads; ``eps``: regularising speed divided by the nut's speed along the path. Returns the number of Newton
@@ -621,7 +623,7 @@ class _LoadsAndMotionPath:
 class CoupledChainSolution:
     """Contact loads and motion of the balls of a track, with the loads in balance with the friction of this motion."""
 
-    #: Contact loads without friction. If friction may not move the screw, it stays in its position in this state.
+    #: Contact loads without friction. If friction may not move the screw, the screw stays in its position in this state.
     loads_without_friction: ContactLoadSolution
     #: Contact loads with friction.
     loads_with_friction: ContactLoadSolution
@@ -631,7 +633,8 @@ class CoupledChainSolution:
     last_friction_change: float
     #: Number of rounds in which contact loads and friction were solved in turn.
     rounds: int
-    #: Whether ``change`` is at most ``AGREED`` times the sum of contact loads, and loads and motion are in balance.
+    #: Whether ``last_friction_change`` is at most ``AGREED`` times the sum of contact loads, and loads and motion are in
+    #: balance.
     converged: bool
 
 
@@ -751,8 +754,8 @@ def _starting_forces_and_motion(
     """Return the friction forces and motions from which the iteration of contact loads and friction begins.
 
     ``cell``: balls between screw and nut; ``coupling``: what friction may change; ``near``: solution of a similar
-    chain, whose friction and motions are returned. If it is None, the forces are those of ``cell`` and all motions are
-    zero.
+    chain, whose friction and motions are returned. If ``near`` is None, the forces are those of ``cell`` and all
+    motions are zero.
     """
     n = cell.angle.shape[0]
     if near is None:

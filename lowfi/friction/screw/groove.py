@@ -80,7 +80,7 @@ class HelicalMotion:
     def nominal_orbit(self) -> float:
         """Orbital speed omega_B of a ball that rolls at the nominal contact angle [rad/s] (Lin 3.65).
 
-        It is eq. (F.5) of Lin's thesis without sliding along y3.
+        The formula is eq. (F.5) of Lin's thesis without sliding along y3.
         """
         lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
         return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
@@ -97,9 +97,9 @@ class HelicalMotion:
         """Return the linear relation between the motion of a ball and the sliding and spin at its four contacts.
 
         The motion at a contact is the sliding vx, vz [m/s] and the spin [rad/s] of the ball relative to screw or nut,
-        in the axes x across the groove, z along the path, y into the ball. It is ``maps @ q + drives`` with the ball's
-        motion q: omega_B (orbit) and omega_x, omega_y, omega_z [rad/s], the latter three relative to the axes x3
-        (radial), y3 (along the track), z3 (binormal), which turn with the orbit.
+        in the axes x across the groove, z along the path, y into the ball. This motion is ``maps @ q + drives`` with
+        the ball's motion q: omega_B (orbit) and omega_x, omega_y, omega_z [rad/s], the latter three relative to the
+        axes x3 (radial), y3 (along the track), z3 (binormal), which turn with the orbit.
 
         Parameters
         ----------
@@ -111,8 +111,8 @@ class HelicalMotion:
         Returns
         -------
         tuple[Array, Array]
-            ``maps``, motion of the contacts by unit of q ``(..., 4, 3, 4)``, and ``drives``, their motion at q = 0, which
-            the bodies impose ``(..., 4, 3)``.
+            First ``maps``, motion of the contacts by unit of q ``(..., 4, 3, 4)``; then ``drives``, motion of the
+            contacts at q = 0, which screw and nut impose ``(..., 4, 3)``.
 
         References
         ----------
@@ -137,7 +137,7 @@ class HelicalMotion:
 
     @cached_property
     def cross_product_matrices(self) -> Array:
-        """Matrices that form the cross product of each axis in ``turns`` with a vector by multiplication ``(4, 3, 3)``."""
+        """Matrices M ``(4, 3, 3)`` with M v = t x v for each axis t in ``ball_rotation_axes`` and any vector v."""
         return np.array([np.cross(t, np.eye(3)).T for t in self.ball_rotation_axes])
 
 
@@ -273,7 +273,7 @@ class TouchingBallsGeometry:
     Vectors are in the axes x3 (radial), y3 (along the track), z3 (binormal) of the ball to which they belong.
     """
 
-    #: Difference of their azimuths [rad].
+    #: Difference of the azimuths of the two balls [rad].
     spacing: float
     #: Speed at which the balls approach each other per difference of their orbital speeds omega_B [m].
     closing_speed_factor: float
@@ -291,7 +291,7 @@ class TouchingBallsGeometry:
 def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
     """Return the difference of the azimuths of two neighbouring balls that touch [rad].
 
-    Their centres lie on the helix at a distance of two ball radii R_B.
+    The centres of the balls lie on the helix at a distance of two ball radii R_B.
 
     Parameters
     ----------
@@ -301,7 +301,7 @@ def azimuth_between_touching_balls(screw: HelicalMotion) -> float:
     Raises
     ------
     ValueError
-        Balls so large that they touch only beyond a quarter turn.
+        Balls so large that touching neighbours lie a quarter turn or more apart.
 
     References
     ----------
@@ -418,7 +418,8 @@ def contiguous_floats(values: Array) -> Array:
 def surface_speed_levers(groove: HelicalMotion) -> Array:
     """Return the levers ``(4,)`` [m] that convert a ball's four angular speeds (orbit and three spins) to surface speeds.
 
-    They are the length of the path per angle, and three times the ball radius. ``groove``: helix and ball radius.
+    The levers are the length of the path per angle, then the ball radius for each of the three spins. ``groove``: helix
+    and ball radius.
     """
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 

@@ -29,9 +29,10 @@ class GrooveArrays(NamedTuple):
     C_b: Array
     #: Motion (4,) of a ball that rolls at the nominal contact angle.
     nominal: Array
-    #: Velocity of the first ball's surface at the contact of two balls, along two tangents, per unit of its x (2, 4).
+    #: Velocity of the first ball's surface at the contact of two balls, along two tangents, per unit of the first ball's x
+    #: (2, 4).
     first_ball_surface_speeds: Array
-    #: Velocity of the second ball's surface along the same tangents, per unit of its x (2, 4).
+    #: Velocity of the second ball's surface along the same tangents, per unit of the second ball's x (2, 4).
     second_ball_surface_speeds: Array
     #: Rate at which the gap to the next ball closes, per unit of the orbit x[0] of the first ball.
     closing_rate_factor: float
@@ -61,8 +62,8 @@ class BallArrays(NamedTuple):
     scaled_groove_mu: float
     #: Semi-axes a, b [m] and friction bound mu F (in the unit of force) of the contacts (N, 4, 3).
     semi_axes_and_bound: Array
-    #: Matrices of the motion (vx, vz, spin) of the contacts over ``speed`` per unit of x (N, 4, 3, 4); the motion is maps @
-    #: x + drives.
+    #: Matrices of the motion (vx, vz, spin) of the contacts over ``speed`` per unit of x (N, 4, 3, 4); the motion is this
+    #: matrix times x plus ``imposed_contact_motions``.
     contact_motion_maps: Array
     #: Motion of the contacts over ``speed`` at x = 0, caused by screw and nut (N, 4, 3).
     imposed_contact_motions: Array
@@ -92,7 +93,7 @@ class LoadsAndMotionSystem(NamedTuple):
     cell: BallContactArrays
     #: Geometry of the grooves for the motion of a ball.
     groove: GrooveArrays
-    #: Contacts of the balls in motion, with friction at given loads.
+    #: Frictional contacts of the balls at the present contact loads.
     balls: BallArrays
     #: Unit of force [N].
     force_unit: float
@@ -100,7 +101,8 @@ class LoadsAndMotionSystem(NamedTuple):
     position_unit: float
     #: Direction of the contact force on the first and the second ball of a pair along x3, z3 (2, 2).
     ball_force_directions: Array
-    #: Directions of the two tangents of their contact in the axes x3, z3 of the first and the second ball (2, 2, 2).
+    #: Directions of the two tangents of the contact of a pair in the axes x3, z3 of the first and the second ball (2, 2,
+    #: 2).
     tangent_directions: Array
     #: Displacement of the screw along x3, y3, z3 at each ball per unit of each motion u (N, 3, m).
     screw_displacement_maps: Array

@@ -1,8 +1,8 @@
 """Balls between a rigid screw and a rigid nut: contact loads, quasi-static motion, effect of friction on the loads.
 
-The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. Its friction in
-the plane of the groove's section (the helix turns nut and screw against each other about y3) changes the contact loads
-through the ball's equilibrium: ``chain.solve_coupled_chain`` iterates both.
+The model is that of section 3.4.1 of Lin's thesis. The motion of each ball is that of least dissipation. The friction of a
+ball in the plane of its groove section (the helix turns nut and screw against each other about y3) changes the contact
+loads through the ball's equilibrium: ``chain.solve_coupled_chain`` solves loads and friction in turn.
 
 Loads are the minimum of a convex energy over all positions. Each ball moves in the plane of its groove section (x3 radial,
 z3 binormal), the screw by its free motions u, the nut is fixed. Friction in this plane is given by forces on balls and
@@ -124,10 +124,10 @@ def solve_screw_contact_loads(
 ) -> ContactLoadSolution:
     """Return the contact loads of balls between screw and nut, in balance with the forces on balls and screw.
 
-    They are found by Newton's method with line search at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) - (force +
-    drag) . u - push . p over the displacements u of the screw and p of the balls. C is the Hertz constant of a contact,
-    <approach> the approach where positive, and force, drag and push are fields of ``cell``. The loads do not depend on the
-    start.
+    The loads are found by Newton's method with line search at the minimum of sum (2/5) C^(-3/2) <approach>^(5/2) -
+    (force + drag) . u - push . p over the displacements u of the screw and p of the balls. C is the Hertz constant of a
+    contact, <approach> the approach where positive, and force, drag and push stand for ``external_screw_force``,
+    ``screw_friction_forces`` and ``ball_friction_forces`` of ``cell``. The loads do not depend on the start.
 
     Parameters
     ----------
@@ -213,8 +213,8 @@ def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> 
     """Return force (first three) and moment of friction on balls at each contact in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
 
     x3 is radial, y3 along the track, z3 the binormal. ``normals``: directions from the ball's centre to the contacts in
-    these axes ``(..., 4, 3)``; ``force``: friction along the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``: about
-    their axes y ``(..., 4)`` [N m].
+    these axes ``(..., 4, 3)``; ``force``: friction along the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``:
+    friction moment about the contacts' axes y ``(..., 4)`` [N m].
     """
     axes = contact_axes(normals)
     f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
@@ -224,11 +224,11 @@ def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> 
 def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     """Return the power [W] that keeps nut and screw in helical motion against friction.
 
-    The power is the velocity of the body's surface at each contact times the force, plus the body's angular velocity
-    times the moment, because screw and nut push with the friction on the balls. ``groove``: grooves with the speeds of
-    screw and nut; ``normals``: directions from the ball's centre to the contacts in x3 (radial), y3 (along the track),
-    z3 (binormal) ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls in the same axes ``(..., 4,
-    6)`` [N, N m].
+    The power is summed over the contacts: velocity of the surface of screw or nut times the force, plus angular
+    velocity of screw or nut times the moment, because screw and nut push with the friction on the balls. ``groove``:
+    grooves with the speeds of screw and nut; ``normals``: directions from the ball's centre to the contacts in x3
+    (radial), y3 (along the track), z3 (binormal) ``(..., 4, 3)``; ``wrench``: force and moment of friction on the balls
+    in the same axes ``(..., 4, 6)`` [N, N m].
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
     surface = groove.ball_radius * (normals @ groove.cross_product_matrices[0].T) + groove.radius * np.array(
@@ -275,7 +275,8 @@ def solve_ball_motion(
     angle
         Contact angles ``(4,)`` [rad].
     push
-        Generalised forces other than friction along omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m]; None for none.
+        Generalised forces other than friction along omega_B, omega_x, omega_y, omega_z ``(4,)`` [N m]; None if there
+        are none.
     start
         Motion omega_B, omega_x, omega_y, omega_z from which the search begins ``(4,)`` [rad/s]; None to begin near pure
         rolling.
@@ -292,8 +293,8 @@ def solve_ball_motion(
 def lin_sigmoid_law(groove: ScrewGroove, sharpness: float, map_spacing: float | None = None) -> SigmoidLaw:
     """Return Lin's sigmoid friction law for the contacts of a screw.
 
-    Its reference spin is the relative spin of two opposite contacts, which for a bearing is omega_I sin(beta) with the
-    speed omega_I of the inner ring and the contact angle beta.
+    The reference spin of the sigmoid is the relative spin of two opposite contacts, which for a bearing is omega_I
+    sin(beta) with the speed omega_I of the inner ring and the contact angle beta.
 
     Parameters
     ----------
@@ -332,7 +333,8 @@ def friction_on_balls_and_screw(
     The forces on the balls are along x3 (radial) and z3 (binormal) ``(N, 2)`` [N], those on the screw along its m
     motions ``(m,)`` [N]. ``cell``: balls between screw and nut; ``wrench``: force and moment of friction on the balls
     at each contact in x3, y3, z3 ``(N, 4, 6)`` [N, N m]; ``neighbour_forces``: forces of neighbours on the balls along
-    x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may change. The forces on what it may not change are zero.
+    x3, z3 ``(N, 2)`` [N]; ``coupling``: what friction may change. Forces on balls or screw that friction may not move
+    are zero.
     """
     push = wrench[:, :, [0, 2]].sum(axis=1) + neighbour_forces
     on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
@@ -384,7 +386,7 @@ class AndersonAcceleration:
 def with_fixed_screw(cell: BallsBetweenGrooves, load: ContactLoadSolution) -> BallsBetweenGrooves:
     """Return the balls of ``cell`` with the screw fixed at the displacement that it has in the solution ``load``.
 
-    The screw then has no motions in which it is free, so that its forces are empty arrays.
+    The screw then has no free motions, so that the arrays of forces on it are empty.
     """
     return replace(
         cell,

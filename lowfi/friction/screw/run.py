@@ -1,7 +1,7 @@
 """Whole ball screw over time: recirculating balls that touch and part, between a rigid screw and a rigid nut.
 
-It is the case study of section 3.4.4 of Lin's thesis. The track is closed: the loaded turns of the nut and a return tube of
-given length. The module ``travel`` simulates how the balls travel.
+The simulation is that of the case study in section 3.4.4 of Lin's thesis. The track is closed: the loaded turns of the nut
+and a return tube of given length. The module ``travel`` simulates how the balls travel.
 
 Two balls that touch are the case study of section 3.4.3 of Lin's thesis, with every assumption a parameter. What that
 section does not print is the load state: clearance or oversize, how the force reaches the balls, which contact angles
@@ -38,7 +38,7 @@ BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
 @register_frozen_defaults
 @dataclass(frozen=True)
 class Pair:
-    """Two touching neighbour balls of a ball screw, with their grooves, contact angles and loads."""
+    """Two neighbouring balls of a ball screw that touch, with their grooves, contact angles and loads."""
 
     #: Grooves of screw and nut with their speeds.
     groove: ScrewGroove
@@ -93,14 +93,14 @@ class ScrewPairSolution:
 
     @property
     def ball_loss_over_groove_loss(self) -> float:
-        """Ratio of the loss between the touching balls to the loss of both without this contact; nan without friction."""
+        """Ratio of the loss between the touching balls to the loss of the two balls apart; nan without friction."""
         return _ratio_or_nan(float(self.touching.motion.ball_loss.sum()), self.apart.motion.loss)
 
     @property
     def approach_speed_when_apart(self) -> float:
         """Orbital speed omega_B of the first ball less that of the second, without ball-to-ball contact [rad/s].
 
-        It is positive if the first ball, which is behind, approaches the second one.
+        The value is positive if the first ball, which is behind, approaches the second one.
         """
         q = self.apart.motion.q
         return float(q[0, 0] - q[1, 0])
@@ -124,8 +124,8 @@ def _ratio_or_nan(amount: float, whole: float) -> float:
 def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -> ScrewPairSolution:
     """Return the states of two neighbouring balls without and with ball-to-ball contact (Lin 3.69-3.76).
 
-    The ball-to-ball force and the rate at which the gap opens are complementary: one of both is zero, so that balls
-    that separate exert no force on each other.
+    The ball-to-ball force and the rate at which the gap opens are complementary: the one or the other is zero, so that
+    balls that separate exert no force on each other.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def solve_pair_of_screw_balls(pair: Pair, guess: IterationStart | None = None) -
 def pair_sliding_speed(pair: Pair) -> float:
     """Return the speed at which two touching balls slide on each other at their contact [m/s].
 
-    It is computed from the loss between the balls, divided by coefficient of friction times ball-to-ball force.
-    ``pair``: the balls, which must press on each other.
+    The speed is the loss between the balls, divided by coefficient of friction times ball-to-ball force. ``pair``: the
+    balls, which must press on each other.
     """
     motion = solve_pair_of_screw_balls(pair).touching.motion
     return float(motion.ball_loss[0]) / (pair.groove.ball_to_ball_mu * float(motion.ball_force[0]))
@@ -154,8 +154,9 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     """Return the sum of contact loads of one ball [N] that a ball-to-ball force and an increase of friction imply.
 
     The loss mu F v of the balls that slide on each other, divided by the relative increase, is the loss at the grooves
-    of both balls. The result is four times the equal load of four contacts of a ball at which its loss is half of this.
-    Of ``pair`` only the kinematics matter, because the sliding speed v depends on its loads by a few per cent only.
+    of both balls. Four equal contact loads of a ball are sought at which the ball has half of this loss; the result is
+    their sum. Of ``pair`` only the kinematics matter, because the sliding speed v depends on its loads by a few per
+    cent only.
 
     Parameters
     ----------
@@ -171,7 +172,7 @@ def load_implied_by_ball_force(pair: Pair, force: float, increase: float) -> flo
     angle = np.full(4, g.contact_angle)
 
     def excess(log_load: float) -> float:
-        """Return the loss of a ball over the implied loss, less one, at a load of exp(``log_load``) [N] on each contact."""
+        """Return the loss of a ball over the implied loss, less 1, at a load of exp(``log_load``) [N] on each contact."""
         return solve_ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
 
     return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
@@ -410,7 +411,7 @@ class ScrewRunSummary:
     largest_ball_to_groove_ratio: float
     #: Nut angle at which this ratio is largest [deg].
     nut_angle_of_largest_ratio: float
-    #: Nut angle of the first time after this at which no balls press on each other [deg]; nan if there is none.
+    #: Nut angle of the first instant after that one at which no balls press on each other [deg]; nan if there is none.
     nut_angle_without_contact: float
     #: Largest number of groups of touching balls at any time.
     most_touching_groups: int

@@ -2,10 +2,10 @@
 
 Over a step dt the gap of neighbours obeys 0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (section 3.4.4 of Lin's
 thesis): balls keep their order and never overlap. Torques jump where a ball enters or leaves the loaded arc, or meets its
-neighbour, and are smooth between these events. The scheme "located" ends a step at each event, takes a short piece on
-either side of it, so that the torque before and after it is sampled, and is of second order (midpoint rule). The scheme
-"equal" is Lin's: equal steps with loads and motions computed at their start. It is of first order, and the time of an event
-is wrong by a part of a step.
+neighbour, and are smooth between these events. The scheme "located" ends a step at each event, computes a short piece of
+time before and after the event, so that the torque on either side of the jump is known, and is of second order (midpoint
+rule). The scheme "equal" is Lin's: equal steps with loads and motions computed at their start. This scheme is of first
+order, and the time of an event is wrong by a part of a step.
 """
 
 from __future__ import annotations
@@ -68,14 +68,15 @@ SHORT, TINY, PIECES = 1e-2, 1e-6, 100
 #: Gap [rad] up to which neighbouring balls count as touching.
 CLOSED = 1e-10
 
-#: Ratio of the closing rate of two neighbours to the largest speed of a ball that is never reached: a gap that could only
-#: close at a faster rate counts as staying open in a time step.
+#: Ratio of the closing rate of two neighbours to the largest speed of a ball, so high that it is never reached: a gap that
+#: could only close at a faster rate counts as staying open in a time step.
 FASTEST = 10.0
 
 #: Fields of `TravelHistory` with the torques of the three entries of ``InstantSolution.losses``, in their order.
 TORQUES = ("groove_torque", "ball_torque", "closing_torque")
 
-#: First number of time steps if the caller gives none: steps per ball diameter travelled, and smallest and largest number.
+#: Number of time steps of the first simulation if the caller states none: steps per ball diameter travelled, then smallest
+#: and largest number.
 STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 
 
@@ -112,7 +113,7 @@ class InstantSolution:
     converged: bool
     #: Solution from which the search at the next instant begins.
     memory: Any
-    #: Change of the friction forces that act on the contact loads, in the last iteration of loads and friction [N].
+    #: Change, in the last iteration of loads and friction, of the friction forces that act on the contact loads [N].
     change: float = 0.0
     #: External axial load on the screw [N]; nan if it is not computed.
     axial: float = float("nan")
@@ -203,7 +204,7 @@ class TravelHistory:
     #: Input power less all losses, as a ratio to the losses ``(T,)``; where there are no losses, the input power itself
     #: [W].
     imbalance: Array
-    #: Change of the friction forces that act on the contact loads, in the last iteration of loads and friction ``(T,)``
+    #: Change, in the last iteration of loads and friction, of the friction forces that act on the contact loads ``(T,)``
     #: [N].
     change: Array
     #: Whether loads and motions of each piece converged ``(T,)``.
@@ -468,14 +469,14 @@ def simulate_with_step_errors(
     duration
         Time to simulate [s].
     steps
-        Largest number of equal time steps; two simulations with about a quarter and half of it are made for comparison.
-        With None the number of steps is doubled until no estimated error is above ``goal``.
+        Largest number of equal time steps; two simulations with about a quarter and half of this number are made for
+        comparison. With None the number of steps is doubled until no estimated error is above ``goal``.
     goal
         Largest error that finite time steps may cause, as a ratio to the mean friction torque; only used if ``steps`` is
         None.
     report
-        Function that is called with a text, which names the number of steps of the present simulation, and the fraction of
-        them that is done.
+        Function that is called with a text that states the number of steps of the present simulation, and with the
+        fraction of these steps that is done.
 
     Returns
     -------
@@ -592,7 +593,7 @@ def extrapolated_error(first_change: float, last_change: float, jumps: bool = Fa
     shortest steps, both as ratios to the mean torque. Richardson's extrapolation uses the observed order of
     convergence, but at most that of smooth motion. If the quantity may have ``jumps``, it uses the order for jumps
     unless the observed one is near that of smooth motion. Changes that grow, keep their size, or change their sign show
-    no order: the error is then ``UNCLEAR`` times the largest of them.
+    no order: the error is then ``UNCLEAR`` times the largest change.
     """
     most = max(abs(first_change), abs(last_change), abs(first_change + last_change))
     if most <= ROUND_OFF:
@@ -639,9 +640,9 @@ def simulate_until_accurate(
     """Simulate with ever more time steps; return the last simulation and its estimated errors due to finite time steps.
 
     ``simulate``: function that returns the simulation with a given number of steps; ``steps``: largest number of steps,
-    the series then also having about a quarter and half of it. If ``steps`` is None, the series begins with
-    ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The errors
-    are None where a simulation ended early, or for fewer than four steps.
+    to which simulations with about a quarter and half of this number are added. If ``steps`` is None, the series begins
+    with ``first_count`` steps and doubles them until no error is above ``goal``, a fraction of the mean torque. The
+    errors are None where a simulation ended early, or for fewer than four steps.
     """
     if steps is not None:
         counts = sorted({max(1, steps // 4), max(1, steps // 2), steps})

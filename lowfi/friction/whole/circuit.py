@@ -135,10 +135,10 @@ def _first_balls_after_gaps(azimuths: Array) -> NDArray[np.int64]:
 def _loaded_arc_length(group: Array, given_length: float | None, spacing: float) -> float:
     """Return the length of the loaded arc of one circuit, on which balls carry load [rad].
 
-    It is ``given_length``, the length in the scene [rad]. If this is None, it is the length that the balls fill, with
-    half a distance between neighbours outside the first and the last ball. ``group``: sorted azimuths of the balls on
-    the arc [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which is the length of an arc
-    with a single ball. Raises CircuitError if the given arc is too short for its balls.
+    The result is ``given_length``, the length that the scene states [rad]. If this is None, the result is the length
+    that the balls fill, with half a distance between neighbours outside the first and the last ball. ``group``: sorted
+    azimuths of the balls on the arc [rad]; ``spacing``: difference of the azimuths of two balls that touch [rad], which
+    is the length of an arc with a single ball. Raises CircuitError if the given arc is too short for its balls.
     """
     span = float(group[-1] - group[0])
     if given_length is None:
@@ -176,7 +176,7 @@ def _track_length(loop: Circulation, loaded_count: int, arc: float, spacing: flo
 def nut_travel(scene: Scene) -> Array:
     """Return the axial positions of the nut on the screw at the start and the end of a simulation ``(2,)`` [m].
 
-    They are measured from the position at the start, so that the first one is 0.
+    Positions are measured from that at the start, so that the first one is 0.
 
     Parameters
     ----------
@@ -211,8 +211,8 @@ class SceneGrooves(BallKinematics, GroovesInMotion):
 def grooves_of_scene(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
     """Return the grooves of a scene without geometric errors, with the speeds of screw and nut.
 
-    Their coefficient of friction is the larger one of the screw's and the nut's grooves. ``friction``: coefficients of
-    friction; ``drive``: motion of the screw or nut that turns.
+    The coefficient of friction of the result is the larger one of the screw's and the nut's grooves. ``friction``:
+    coefficients of friction; ``drive``: motion of the screw or nut that turns.
     """
     path, h = ball_kinematics(scene, drive, scene.balls.radius), hertz_without_errors(scene)
     return SceneGrooves(**asdict(path), mu=max(friction.screw, friction.nut), hertz=GrooveHertzConstants(h.C, h.C_a, h.C_b))
@@ -330,7 +330,7 @@ class BallsInCircuits:
     number: NDArray[np.int64]
     #: Azimuth of each ball in the nut's frame at the start ``(N,)`` [rad].
     azimuth: Array
-    #: Azimuth by which the next ball of a circuit is ahead where they touch ``(N,)`` [rad].
+    #: Azimuth of the next ball of the circuit less that of each ball if the two touch ``(N,)`` [rad].
     touching_spacing: Array
     #: Grooves without errors.
     grooves: SceneGrooves
@@ -367,8 +367,8 @@ class BallsInCircuits:
         """Return azimuths, centres and section axes of all balls in fixed axes.
 
         ``scene``: the scene with these balls; ``folded``: azimuths of the balls within one revolution of their circuits
-        ``(N,)`` [rad], the first value that `place` returns; ``turned``: angle by which the nut has turned since the
-        start [rad].
+        ``(N,)`` [rad], the first value that `fold_into_circuits` returns; ``turned``: angle by which the nut has turned
+        since the start [rad].
         """
         track, starts = scene.track, np.empty(folded.size)
         for loop in self.tracks:
@@ -467,7 +467,7 @@ class ContactOnset:
 
     @property
     def touches_under_load(self) -> bool:
-        """Whether any two neighbouring balls meet while both still carry load, at a rotation of at most ``leaving``."""
+        """Whether any two neighbours meet while both still carry load, at a rotation of at most ``rotation_to_arc_end``."""
         return bool(np.any(self.rotation_to_meeting <= self.rotation_to_arc_end))
 
 

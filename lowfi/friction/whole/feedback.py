@@ -101,11 +101,12 @@ def positions_in_grooves_with_errors(contacts: StaticContacts, drawn: GeometryWi
 
 
 def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array) -> Array:
-    """Return the unbalanced forces on each ball and on the screw: what the contacts resist, less given forces ``(N, 3)``.
+    """Return the unbalanced forces on each ball and on the screw, contact forces less applied forces ``(N, 3)`` [N].
 
-    All are in N: on the ball along x3 (radial) and z3 (binormal), on the screw along its axis. ``force``: contact
-    forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3 ``(N, 4, 2)``;
-    ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: the given forces ``(N, 3)``.
+    The three values are the forces on the ball along x3 (radial) and z3 (binormal), and on the screw along its axis.
+    ``force``: contact forces ``(N, 4)``; ``normal``: unit vectors from each ball's centre to its contacts in x3, z3
+    ``(N, 4, 2)``; ``along``: direction of the screw's axis in x3, z3 ``(2,)``; ``applied``: applied forces, in the
+    order of the result ``(N, 3)`` [N].
     """
     push = force[..., None] * normal
     screw = -np.einsum("nsi,i->n", push[:, ON_SCREW], along)
@@ -147,8 +148,8 @@ def solve_friction_equilibrium(
 ) -> FrictionEquilibrium:
     """Return the contact loads, contact angles and friction of each ball that are in equilibrium with each other.
 
-    The iteration begins at the static state without friction. If a ball has several equilibria, this leads to the one that
-    it reaches by rolling from the static state.
+    The iteration begins at the static state without friction. If a ball has several equilibria, the iteration leads to
+    the one that the ball reaches by rolling from the static state.
 
     Parameters
     ----------
@@ -165,8 +166,8 @@ def solve_friction_equilibrium(
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_friction
-        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.push`), at which the iteration begins; None to
-        begin at the static state.
+        Friction of a similar state ``(N, 3)`` [N] (`FrictionEquilibrium.friction_on_balls_and_screw`), at which the
+        iteration begins; None to begin at the static state.
     starting_motions
         Motions of the balls in a similar state ``(N, 4)`` [rad/s], which shorten the solution but do not change it; None if
         none are known.
@@ -174,7 +175,7 @@ def solve_friction_equilibrium(
     Returns
     -------
     FrictionEquilibrium
-        The equilibrium; its field ``failed`` marks balls for which none was found.
+        The equilibrium; its field ``failed_balls`` marks balls for which none was found.
     """
     count = static_contacts.force.shape[0]
     along, loaded = positions.screw_axis_direction[[0, 2]], static_contacts.force.sum(axis=1) > 0.0
@@ -207,7 +208,7 @@ def solve_friction_equilibrium(
         one, size = np.array([ball]), float(contacts.force[ball].sum())
 
         def excess(x: Array, one: NDArray[np.int64] = one, size: float = size) -> Array:
-            """Return friction less the assumed friction that the contacts balance, divided by the contact loads ``(3,)``.
+            """Return the resulting less the assumed friction, divided by the sum of the contact loads ``(3,)``.
 
             ``x``: assumed friction on ball and screw divided by the sum of the contact loads ``(3,)``; ``one``: index
             of the ball ``(1,)``; ``size``: sum of its contact loads [N].

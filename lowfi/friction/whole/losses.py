@@ -1,13 +1,13 @@
 """Motion, friction and losses of every ball of a screw or bearing at the contact loads of a static model.
 
 The motion of each ball is that of least dissipation (``lowfi.friction.screw.motion``); friction does not change the loads.
-The sums that follow from it, torques and efficiencies, are in ``lowfi.friction.whole.torque``.
+The torques and efficiencies that follow from the losses are in ``lowfi.friction.whole.torque``.
 
 Heathcote slip is what the curvature of the contact across the groove adds to the losses of flat contact ellipses. Ball and
-groove meet in a surface of radius R_d across the groove, 1/R_d = (1/R_ball + 1/R_groove)/2. A ball that rolls with
-the angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by Omega x^2
-/(2 R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once
-without, both by quadrature over the ellipses, so that balls find the motion that makes the most of their contacts.
+groove meet in a surface of radius R_d across the groove, 1/R_d = (1/R_ball + 1/R_groove)/2. A ball that rolls with the
+angular speed Omega about the axis across the groove moves a point at distance x from the contact's middle by Omega x^2 /(2
+R_d) more along the path than the middle. The motion of least dissipation is found once with that speed and once without,
+both by quadrature over the ellipses, so that each motion suits the contact surface for which it is computed.
 """
 
 from __future__ import annotations
@@ -147,8 +147,8 @@ def ball_friction(
     fast
         Whether to use the compiled functions instead of plain Python.
     starting_motions
-        First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.q``); nan for balls without
-        an estimate. If None, there are no estimates.
+        First estimates of the motions ``(N, 4)`` [rad/s], from a similar state (``BallFriction.ball_motions``); nan for
+        balls without an estimate. If None, there are no estimates.
 
     Raises
     ------
@@ -352,9 +352,9 @@ def surface_speeds_in_contacts(
 def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Array, typical_sliding_speed: float) -> Array:
     """Return the power that friction dissipates on each of N balls in its motion of least dissipation ``(N,)``.
 
-    It is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in steps.
-    ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls rest,
-    the two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact,
+    The motion is found by Newton's method. The sliding speed v is regularised as sqrt(v^2 + eps^2), with eps reduced in
+    steps. ``rows``, ``added``: sliding of the points in the contacts per unit of the balls' motions and while the balls
+    rest, the two results of `surface_speeds_in_contacts`; ``strength`` ``(N, 4)``: friction bound of each contact,
     coefficient times force [N] (if the coefficients are ratios, the power is in the same proportion); ``start`` ``(N,
     4)``: motions to begin from [rad/s]; ``typical_sliding_speed``: a typical sliding speed [m/s], which sets the scale
     of eps.
@@ -365,7 +365,7 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
     q = start.copy()
 
     def value(motion: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Return the dissipated power of each ball, the sliding of its points, and the sliding's regularised size [m/s]."""
+        """Return the dissipated power of each ball [W], then sliding velocity and regularised speed of its points [m/s]."""
         v = (rows @ motion[..., None]).reshape(added.shape) + added
         size = np.sqrt(v[..., 0] ** 2 + v[..., 1] ** 2 + eps * eps)
         return (weight * size).sum(axis=1), v, size

@@ -38,9 +38,9 @@ WINDOW, LEAST, BEYOND, APART = np.radians(8.0), 1e-4, 0.01, 5e-4
 class ComplianceWindow(NamedTuple):
     """Compliance of screw or nut for balls at the start, middle and end of a short piece of the track."""
 
-    #: Azimuths of the balls at the start of the window [rad].
+    #: Azimuths of the balls at the first of the three positions [rad].
     azimuth: Array
-    #: Axial positions of the balls at the start of the window [m].
+    #: Axial positions of the balls at the first of the three positions [m].
     z: Array
     #: Angle by which the balls travel from the first to the third position [rad], negative if they travel backwards.
     travel_angle: float
@@ -53,10 +53,11 @@ class ComplianceWindow(NamedTuple):
 class TravellingCompliance:
     """Compliance of screw or nut between contacts that travel along the track together.
 
-    It is computed for balls at three positions of a window, and between them by the parabola through these. A body of
-    revolution with a groove in it responds in the same way to balls that turn and advance together, except near its
-    ends, so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each other,
-    or other balls are on the loaded arc, a new window begins. An object serves one scene and one backend.
+    The compliance is computed for balls at three positions of a window, and interpolated between these by a parabola. A
+    body of revolution with a groove in it responds in the same way to balls that turn and advance together, except near
+    its ends, so that the compliance changes slowly. Where balls have moved by more than ``APART`` relative to each
+    other, or other balls are on the loaded arc, a new window begins. One object serves one scene and one compliance
+    model only.
     """
 
     #: Length of a window [rad], with the sign of the balls' travel in the nut.
@@ -69,9 +70,9 @@ class TravellingCompliance:
     ) -> Array:
         """Return the compliance of screw or nut between its c contacts, each with two axes ``(2 c, 2 c)`` [m/N].
 
-        ``scene``: screw or bearing; ``layout``: present positions of the balls; ``screw``: whether the body is the screw
-        (True) or the nut; ``backend``: models for the compliance of the parts; ``flanks``: numbers of the flanks with
-        contacts, 0 left and 1 right. The form of the result is that of `compliance_between_contacts`.
+        ``scene``: screw or bearing; ``layout``: present positions of the balls; ``screw``: whether the body is the
+        screw (True) or the nut; ``backend``: model for the compliance of the parts; ``flanks``: numbers of the flanks
+        with contacts, 0 left and 1 right. The form of the result is that of `compliance_between_contacts`.
         """
         track, rate = scene.track, lead_per_radian(scene.track)
         known = self.windows.setdefault((screw, tuple(flanks), layout.z.size), [])
@@ -96,9 +97,9 @@ class TravellingCompliance:
     def new_window(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
         """Return a new window that begins at the positions ``layout``, with the body's compliance at its three positions.
 
-        The window is shorter than ``ahead`` where a ball would otherwise pass the face of the nut. ``track``: helix
-        along which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions of the
-        balls. Raises ValueError if this function does so even for the shortest window.
+        The window is shorter than ``window_angle`` where a ball would otherwise pass the face of the nut. ``track``:
+        helix along which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions
+        of the balls. Raises ValueError if ``compute`` raises it even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.window_angle
         while True:
@@ -189,8 +190,8 @@ class SceneInMotion:
         time
             Time since the start [s].
         push
-            Friction on balls and screw in the previous step ``(N, 3)`` [N] (`FrictionEquilibrium.push`); it is overwritten
-            by the friction of this step.
+            Friction on balls and screw in the previous step ``(N, 3)`` [N]
+            (`FrictionEquilibrium.friction_on_balls_and_screw`); it is overwritten by the friction of this step.
         q
             Motions of the balls in the previous step ``(N, 4)`` [rad/s], first estimates for `solve_friction_equilibrium`.
 
@@ -311,10 +312,10 @@ class SceneInMotion:
 def _driving_torque_on_screw(setting: SceneInMotion, contacts: StaticContacts, wrench: Array, axial: float) -> float:
     """Return the torque about +z [N m] that drives the screw under an external axial load ``axial`` [N].
 
-    It is the moment of contact loads and friction about the axis. An axial force of friction that the contact loads do
-    not balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts of the N
-    balls; ``wrench``: force and moment of friction on the balls in their sections' axes x3 (radial), y3 (along the
-    track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
+    The torque is the moment of contact loads and friction about the axis. An axial force of friction that the contact
+    loads do not balance contributes its work along the helix. ``setting``: the simulated screw; ``contacts``: contacts
+    of the N balls; ``wrench``: force and moment of friction on the balls in their sections' axes x3 (radial), y3 (along
+    the track), z3 (binormal) ``(N, 4, 6)`` [N, N m].
     """
     wrenches = wrench.copy()
     wrenches[..., :3] -= contacts.force[..., None] * contacts.normals

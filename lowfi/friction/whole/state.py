@@ -1,4 +1,4 @@
-"""Friction of a whole screw or bearing at the loads of a static model: one call from scene to sums."""
+"""Friction of a whole screw or bearing at the contact loads of a static model: losses of all balls, and the torques."""
 
 from __future__ import annotations
 
@@ -122,12 +122,13 @@ class FrictionState:
     #: Speed at which each ball approaches the next one ``(N,)`` [m/s]; negative if they separate, nan without load or next
     #: ball.
     closing_speeds: Array
-    #: Torque, axial force and power as in ``torque``, but at the static contact loads, without the effect of friction on
-    #: the loads.
+    #: Torque, axial force and power as in ``friction_sums``, but at the static contact loads, without the effect of
+    #: friction on the loads.
     sums_without_feedback: FrictionSums
     #: Indices of balls for which friction and position could not be made to agree, in the given or in the reversed motion.
     unsettled_balls: tuple[int, ...]
-    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads (`FrictionEquilibrium.change`).
+    #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads
+    #: (`FrictionEquilibrium.largest_imbalance_ratio`).
     change: float
     #: Whether friction displaces the balls in their grooves and so changes the contact loads.
     friction_changes_loads: bool

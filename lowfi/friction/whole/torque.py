@@ -1,8 +1,8 @@
 """Torques, axial loads and efficiencies of a ball screw, and the torque of a bearing, from the friction of its balls.
 
-Virtual work, with Omega the angular speed of the screw against the nut, r = lead/(2 pi) (negative: left-hand) the
-advance per angle, T and F the torque and the axial load on the screw along +z, P the power lost: the balls roll along the
-helix, so that any state in balance obeys
+Virtual work gives the torque, with Omega the angular speed of the screw against the nut, r = lead/(2 pi) (negative:
+left-hand) the advance per angle, T and F the torque and the axial load on the screw along +z, P the power lost: the balls
+roll along the helix, so that any state in balance obeys
 
     T Omega + F r Omega = P                                                                                            (1)
 
@@ -68,7 +68,7 @@ class FrictionSums:
     def friction_torque(self) -> float:
         """Friction torque on the screw, which is the power lost divided by the angular speed [N m].
 
-        On the nut it has the opposite sign.
+        The friction torque on the nut has the opposite sign.
         """
         return self.power / abs(self.speed)
 
@@ -82,7 +82,7 @@ class FrictionSums:
 
     @property
     def input_power(self) -> float:
-        """Power that the contacts take from screw and nut [W]: forces and moments on both times their motions."""
+        """Power that the contacts take from screw and nut [W]: forces and moments on screw and nut times their motions."""
         return self.helical_work_per_radian[0] * self.speed
 
     @property
@@ -111,7 +111,7 @@ class FrictionSums:
     def efficiency(self) -> tuple[float, float]:
         """Efficiencies, first forward (work on the axial load over work of the torque), then backward.
 
-        The second one is negative if the screw locks itself. Both are nan without axial load.
+        The second one is negative if the screw locks itself. Both efficiencies are nan without axial load.
         """
         if not self.moves_axial_load:
             return float("nan"), float("nan")
@@ -185,8 +185,8 @@ COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 def friction_displaces_balls(scene: Scene, friction: Friction) -> bool:
     """Return whether friction is to displace the balls of a scene in their grooves and so change the contact loads.
 
-    It is if ``friction`` requests this feedback, one of its coefficients is above zero, and the track of ``scene`` has
-    a lead.
+    Friction does so if ``friction`` requests this feedback, one of its coefficients is above zero, and the track of
+    ``scene`` has a lead.
     """
     return friction.feedback and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 

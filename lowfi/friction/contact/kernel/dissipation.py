@@ -1,9 +1,9 @@
 """Dissipated power of one elliptical contact as a function of sliding velocity, spin and a regularising speed.
 
 The local sliding speed is proportional to the distance from the centre of rotation. The power is therefore the mean
-distance psi between this point and the pressure distribution. For unit force and a = 1 the Hertz pressure is the mass
-density of a homogeneous ellipsoid with semi-axes (1, b, 0), flattened to its plane; the regularising speed is a height h
-above the plane. The derivatives of psi are
+distance psi of the points of the contact from this centre, weighted with the pressure. For unit force and a = 1 the Hertz
+pressure is the mass density of a homogeneous ellipsoid with semi-axes (1, b, 0), flattened to its plane; the regularising
+speed is a height h above the plane. The derivatives of psi are
 
     psi_i = (3/4) x_i int_l^oo U s / ((a_i^2 + s) S) ds,   S = sqrt(s (s + b^2) (s + 1)),
     U = 1 - x^2/(1 + s) - y^2/(b^2 + s) - h^2/s,
@@ -42,7 +42,7 @@ def _carlson_series(x: float, y: float, mean: float) -> float:
 def _carlson_series_derivative(x: float, y: float, dx: float, dy: float) -> float:
     """Return the derivative of the polynomial in `_carlson_series` along the direction (dx, dy).
 
-    x, y: relative deviations at which it is taken, as in `_carlson_series`.
+    x, y: relative deviations of the first two arguments of R_D from their mean, at which the derivative is taken.
     """
     z, dz = -(x + y) / 3.0, -(dx + dy) / 3.0
     xy, zz = x * y, z * z
@@ -62,8 +62,8 @@ def carlson_rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
     """Return Carlson's elliptic integral R_D(x, y, z) and -(4/3) dR_D/dy, for x >= 0 and y, z > 0.
 
     The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). It equals (2/3)
-    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both come from Carlson's duplication
-    (1995), differentiated in each step.
+    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both values come from Carlson's
+    duplication (1995), differentiated in each step.
     """
     dx, dy, dz = 0.0, 1.0, 0.0
     total, d_total, scale = 0.0, 0.0, 1.0
@@ -104,8 +104,8 @@ _U2, _W = _NODES[12:] ** 2, _WEIGHTS[12:].copy()
 def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
     """Return the confocal ellipsoidal coordinate of the point (x, y, h); zero for a point of the ellipse at h = 0.
 
-    It is the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1. Lengths are in units of the semi-axis a; b2:
-    square of the ratio b of the semi-axes.
+    The coordinate is the largest root l >= 0 of x^2/(1 + l) + y^2/(b^2 + l) + h^2/l = 1. Lengths are in units of the
+    semi-axis a; b2: square of the ratio b of the semi-axes.
     """
     x2, y2, h2 = x * x, y * y, h * h
     p = x2 + y2 - 1.0 - b2
@@ -134,8 +134,9 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Carlson's integrals.
 
-    It is for points with a confocal coordinate ``low`` <= 1 (`confocal_coordinate`). x, y, h: coordinates of the point
-    in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the semi-axes.
+    The function is for points with a confocal coordinate ``low`` <= 1 (`confocal_coordinate`). x, y, h: coordinates of
+    the point in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the
+    semi-axes.
     """
     # moments i_... of the ellipsoid's potential from R_D; edge: the integrals' lower end
     cy, cx = low + b2, low + 1.0
@@ -176,8 +177,8 @@ def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: flo
 def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Gauss sums.
 
-    It is for points with a confocal coordinate ``low`` >= 1 (`confocal_coordinate`). The other arguments are those of
-    `mean_distance_near_ellipse`.
+    The function is for points with a confocal coordinate ``low`` >= 1 (`confocal_coordinate`). The other arguments are
+    those of `mean_distance_near_ellipse`.
     """
     rho = sqrt(low)
     x, y, h = x / rho, y / rho, h / rho

@@ -4,11 +4,11 @@ The unknown is the motion q (n,) of the body. Contact i has (vx, vz, spin) = ``m
 bound strength_i = mu F. The convex function sum_i strength_i D_i(v_i; speed) - push . q is minimised by Newton's method for
 a sequence of decreasing regularising speeds. Then contacts that nearly stand still are set to rest exactly.
 
-The functions of this module share their arguments. m: number of contacts, n: number of unknowns. shape (m, 3): semi-axes a,
-b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts by unit
-of each unknown; drives (m, 3): their motion at q = 0, which the drive imposes; push (n,): generalised forces other than
-friction [W per unit of the unknown]; units (n,): surface speed per unit of each unknown (`surface_speed_per_unknown`);
-speed: regularising speed [m/s].
+The functions of this module have these arguments in common. m: number of contacts, n: number of unknowns. shape (m, 3):
+semi-axes a, b [m] and friction bound mu F [N] of the contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the
+contacts by unit of each unknown; drives (m, 3): motion of the contacts at q = 0, which the drive imposes; push (n,):
+generalised forces other than friction [W per unit of the unknown]; units (n,): surface speed per unit of each unknown
+(`surface_speed_per_unknown`); speed: regularising speed [m/s].
 """
 
 from math import sqrt
@@ -97,9 +97,9 @@ def write_motion_newton_step(hess: Array, grad: Array, units: Array, step: Array
 def surface_speed_per_unknown(shape: Array, maps: Array) -> Array:
     """Return the surface speed of the loaded contacts per unit of each of n unknown velocities of a body ``(n,)``.
 
-    It is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger semi-axis a; 1
-    for an unknown that moves no loaded contact. shape (m, 3): semi-axes a, b [m] and friction bound [N] of m contacts;
-    maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown.
+    The surface speed is the root of the sum of squares of vx, vz and a times spin over the contacts, with the larger
+    semi-axis a; 1 for an unknown that moves no loaded contact. shape (m, 3): semi-axes a, b [m] and friction bound [N]
+    of m contacts; maps (m, 3, n): motion vx, vz, spin of the contacts per unit of each unknown.
     """
     n = maps.shape[2]
     units = np.empty(n)
@@ -186,10 +186,10 @@ def minimise_dissipation(
 def motion_nearest_to_rolling(shape: Array, maps: Array, drives: Array) -> Array:
     """Return the motion q (n,) of a body that is nearest to pure rolling in its m contacts.
 
-    The sum of squared surface speeds of the contacts, weighted by their friction bounds, is least. It is the solution
-    of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m] and
-    friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of
-    each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
+    The sum of squared surface speeds of the contacts, weighted by their friction bounds, is least. This motion is the
+    solution of a linear system, and unique except for motions without surface speed. shape (m, 3): semi-axes a, b [m]
+    and friction bound mu F [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per
+    unit of each of n unknowns; drives (m, 3): motion of the contacts at q = 0, which the drive imposes.
     """
     n = maps.shape[2]
     grad, hess, q = np.zeros(n), np.zeros((n, n)), np.empty(n)
@@ -221,7 +221,7 @@ def largest_imposed_speed(shape: Array, drives: Array) -> float:
 
 @kernel
 def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[Array, Array]:
-    """Return the sliding and spin of m contacts (m, 3) at the body's motion q (n,), then their surface speeds (m,) [m/s].
+    """Return vx, vz and spin of m contacts (m, 3) at the body's motion q (n,), then their surface speeds (m,) [m/s].
 
     A surface speed is the root of vx^2 + vz^2 + (a spin)^2. shape (m, 3): semi-axes a, b [m] and friction bound mu F
     [N] of m contacts; maps (m, 3, n): motion vx, vz [m/s], spin [rad/s] of the contacts per unit of each of n unknowns;
@@ -451,7 +451,7 @@ def least_dissipation_of_bodies(
 
     shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3) have the arguments of `least_dissipation` for each body; q (N,
     n): motions in a similar state to begin from, nan if none is known. Writes q, forces (N, m, 3) and rest (N, m) as
-    `least_dissipation`, and outcome (N, 2): its status and the largest unbalanced force [N].
+    `least_dissipation`, and outcome (N, 2): the status of each body and the largest unbalanced force [N].
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):

@@ -24,9 +24,9 @@ def hertz_contact(
     """Return the contact force and the contact normal of a ball and a groove after a relative displacement of the ball.
 
     start_x, start_z: vector from the groove's centre of curvature to the ball's centre before the displacement [m];
-    move_x, move_z: displacement [m]; interference: interference of ball and groove before it [m]; C: Hertz constant of
-    the approach C F^(2/3) [m/N^(2/3)]. Returns the force [N], the unit vector (x, z) from the ball's centre to the
-    contact, the approach divided by C [N^(2/3)], and the distance of the centres of groove and ball [m].
+    move_x, move_z: displacement [m]; interference: interference of ball and groove before the displacement [m]; C:
+    Hertz constant of the approach C F^(2/3) [m/N^(2/3)]. Returns the force [N], the unit vector (x, z) from the ball's
+    centre to the contact, the approach divided by C [N^(2/3)], and the distance of the centres of groove and ball [m].
     """
     x, z = start_x + move_x, start_z + move_z
     size = sqrt(x * x + z * z)

@@ -1,4 +1,4 @@
-"""Equations of a chain of balls: friction at the grooves and between balls, which the contact load bounds.
+"""Equations of a chain of balls, with friction at the grooves and between balls that is bounded by the contact load.
 
 Velocities are in units of the carriage's speed, forces in units of the largest friction bound of a ball. Unknowns of a
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y), and
@@ -42,8 +42,8 @@ FILLED = 16
 def solve_two_banded_systems(K: Array, A: Array, x: Array, y: Array) -> float:
     """Solve two linear systems with one banded matrix; return the sign of the matrix's determinant.
 
-    K (n, 11): the matrix; A (n, 16): work array, which becomes its factors; x, y (n,): right-hand sides, which are
-    overwritten by the solutions.
+    K (n, 11): the matrix; A (n, 16): work array, to which the factors of K are written; x, y (n,): right-hand sides,
+    which are overwritten by the solutions.
     """
     both = np.empty((x.size, 2))
     A[:, :WIDTH], A[:, WIDTH:] = K, 0.0
@@ -137,9 +137,9 @@ def _add_groove_friction(chain: ChainArrays, point: ChainSearchState, eps: float
 def _add_ball_friction(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> None:
     """Add the friction between balls k and k + 1 to the residual g (4 N,) of all equations and to its banded Jacobian K.
 
-    pair (N - 1, 3): field of `ChainSearchState`, whose last two columns are the sliding of balls k and k + 1 on each other;
-    eps: regularising speed of friction, divided by the carriage's speed; bound: coefficient of friction times force;
-    slope: derivative of the bound by the unknown z of the contact.
+    pair (N - 1, 3): ``ball_to_ball_slips`` of `ChainSearchState`, whose last two columns are the sliding of balls k and
+    k + 1 on each other; eps: regularising speed of friction, divided by the carriage's speed; bound: coefficient of
+    friction times force; slope: derivative of the bound by the unknown z of the contact.
     """
     i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
     eta = sqrt(tx * tx + ty * ty + eps * eps)
@@ -199,10 +199,10 @@ def write_chain_equations(chain: ChainArrays, point: ChainSearchState, law: Equa
 
 @kernel
 def _add_contact_slips(contacts: Array, point: ChainSearchState, x: Array) -> None:
-    """Add the sliding at all contacts that motions x of the balls cause to ``slip`` and ``pair`` of the point.
+    """Add the sliding at all contacts that motions x of the balls cause to the slips of the point.
 
-    contacts: field of `ChainArrays`; x (N, 3): the motions, velocity and ball radius times two spins, divided by the
-    carriage's speed.
+    The slips are ``groove_contact_slips`` and ``ball_to_ball_slips``. contacts: field of `ChainArrays`; x (N, 3): the
+    motions, velocity and ball radius times two spins, divided by the carriage's speed.
     """
     slip, pair, _, _ = point
     p, q, nx, ny = x[:, 1:2], x[:, 2:3], contacts[:, :, 0], contacts[:, :, 1]
@@ -214,9 +214,10 @@ def _add_contact_slips(contacts: Array, point: ChainSearchState, x: Array) -> No
 
 @kernel
 def write_contact_slips(chain: ChainArrays, point: ChainSearchState) -> None:
-    """Compute the sliding at all contacts from the motions of the balls; write it to ``slip`` and ``pair`` of the point.
+    """Compute the sliding at all contacts from the motions of the balls; write it to the slips of the point.
 
-    chain: contacts and nominal motion of the N balls; point: its ``drift`` gives the motions.
+    chain: contacts and nominal motion of the N balls; point: its ``motion_less_nominal`` gives the motions; its
+    ``groove_contact_slips`` and ``ball_to_ball_slips`` are written.
     """
     point.groove_contact_slips[:, :, 0], point.groove_contact_slips[:, :, 1], point.ball_to_ball_slips[:] = (
         -chain.contacts[:, :, 2],

@@ -1,11 +1,13 @@
-"""Motion of a chain of balls: without friction between balls, then with all of it.
+"""Motion of a chain of balls: first without friction between balls, then with the whole of this friction.
 
-Solutions are followed from the one to the other, round the folds of their path. Its parameter s rises from 0, without
-friction between balls, to 1, with all of it. The speed eps that regularises friction is in units of the carriage's speed.
+The solution is followed along a path from the one state to the other, round the folds of the path. The path parameter s
+rises from 0, without friction between balls, to 1, with all of it. The speed eps that regularises friction is in units of
+the carriage's speed.
 
 A ball-to-ball force is the sum of the axial friction on the balls behind it, so that no force on the path can exceed the
-sum of their bounds, and the path begins at the one solution of a convex problem. It cannot run off to infinity nor come
-back: its other end is a solution with the whole friction (Leray and Schauder), whatever folds lie between.
+sum of the friction bounds of these balls, and the path begins at the one solution of a convex problem. The path can neither
+run off to infinity nor come back: its other end is a solution with the whole friction (Leray and Schauder), whatever folds
+lie between.
 """
 
 from math import exp, log, sqrt
@@ -79,7 +81,7 @@ def determinant_sign_without_ball_friction(point: ChainSearchState) -> float:
 def _write_path_tangent(
     chain: ChainArrays, point: ChainSearchState, s: float, eps: float, work: NewtonArrays, change: Array, tau: Array
 ) -> float:
-    """Write the tangent of the solution path at a point to tau; return 1 if the path goes on along it, or -1 if against it.
+    """Write the tangent of the solution path at a point to tau; return 1 if the path goes on along tau, -1 if against it.
 
     s: parameter of the path at the point; eps: regularising speed of friction at the end of the path, divided by the
     carriage's speed; tau (4 N + 1,): tangent of unit length, with four components for each ball and last that of s,
@@ -113,7 +115,7 @@ def _correct_to_solution_path(
 ) -> tuple[bool, int, float]:
     """Move a predicted point back to the solution path by Newton steps.
 
-    They are normal to the tangent tau or, if ``fixed``, at constant s. s: parameter of the path at the point; eps:
+    The steps are normal to the tangent tau or, if ``fixed``, at constant s. s: parameter of the path at the point; eps:
     regularising speed of friction at the end of the path, divided by the carriage's speed; change (4 N,): derivative of
     the residual by s; length: length of the step along the path that led to the point. The correction is given up where
     it exceeds most of this length, because it may lead to another path. Returns whether the point is on the path, the
@@ -232,8 +234,8 @@ STARTS, PRESSED = 3, 3.0
 def _solve_without_ball_friction(chain: ChainArrays, point: ChainSearchState, work: NewtonArrays) -> int:
     """Solve for the motion of a row of balls without friction between them; return the number of Newton steps.
 
-    The regularising speed of friction is ``FIRST``. The search begins from the ``drift`` of ``point``, which is
-    overwritten by the solution.
+    The regularising speed of friction is ``FIRST``. The search begins from the ``motion_less_nominal`` of ``point``;
+    ``point`` is overwritten by the solution.
     """
     write_contact_slips(chain, point)
     total = 0
@@ -283,12 +285,13 @@ def solve_motion_of_ball_row(
 ) -> tuple[int, float]:
     """Solve for the motion of a row of balls in a linear bearing and the forces between them.
 
-    ``point``: its ``drift`` gives the motions from which the search begins; it is overwritten by the solution. eps:
-    regularising speed of friction in the result; tolerance: largest residual aimed at; limit: largest number of Newton
-    steps on the path. The first step has no friction between balls, so that only a convex problem decides where the
-    solution starts from. If friction between balls may cause several solutions, or if Newton's method does not converge
-    from there while the regularising speed falls, the path is followed by `follow_solution_path`, unless all balls separate
-    without that friction. Returns the number of Newton steps and the largest residual.
+    ``point``: its ``motion_less_nominal`` gives the motions from which the search begins; ``point`` is overwritten by
+    the solution. eps: regularising speed of friction in the result; tolerance: largest residual aimed at; limit:
+    largest number of Newton steps on the path. The first step has no friction between balls, so that only a convex
+    problem decides where the solution starts from. If friction between balls may cause several solutions, or if
+    Newton's method does not converge from there while the regularising speed falls, the path is followed by
+    `follow_solution_path`, unless all balls separate without that friction. Returns the number of Newton steps and the
+    largest residual.
     """
     total = _solve_without_ball_friction(chain, point, work)
     first = copy_chain_state(point)
@@ -341,8 +344,8 @@ def motion_from_state(
 ) -> tuple[int, float]:
     """Solve for motions and forces of a row of balls by Newton's method, starting from the state of a similar row.
 
-    ``point``: this state, which is overwritten; eps: regularising speed of friction; tolerance: largest residual aimed
-    at. Returns the number of Newton steps and the largest residual.
+    ``point``: this state, which is overwritten by the solution; eps: regularising speed of friction; tolerance: largest
+    residual aimed at. Returns the number of Newton steps and the largest residual.
     """
     reset_open_gaps(point, eps)
     return _solve_exact_equations(chain, point, work, eps, tolerance)

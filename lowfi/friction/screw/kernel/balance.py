@@ -1,4 +1,4 @@
-"""Balance of many balls in motion with ball-to-ball contact as a complementarity problem, and Newton's method on it.
+"""Force balance of many moving balls with friction and ball-to-ball contact, solved by Newton's method.
 
 The module also computes the relative motion at the contacts of balls with grooves and with each other, friction and losses.
 Motions x (N, 4) are the balls' surface speeds (orbit, and spins about x3, y3, z3) over the speed of the nut along the path;
@@ -99,8 +99,8 @@ def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: f
     """Return the velocity (u, v) at which a ball slides on the next one, and its regularised size sqrt(u^2 + v^2 + eps^2).
 
     u, v: components along two tangents of the contact. All speeds are divided by the nut's speed along the path.
-    groove: geometry of the contact of two balls; this, other (4,): motions of the ball and of the next one; eps:
-    regularising speed.
+    groove: geometry of the contact of two balls; this (4,): motion of the ball; other (4,): motion of the next one;
+    eps: regularising speed.
     """
     first, second = groove.first_ball_surface_speeds, groove.second_ball_surface_speeds
     u, v = 0.0, 0.0
@@ -164,7 +164,7 @@ def move_without_neighbours(balls: BallArrays, x: Array) -> None:
             )
 
 
-#: Half bandwidth of the matrix, which has a block of five rows for each ball: its motion (4) and its force on the next
+#: Half bandwidth of the Jacobian, which has a block of five rows for each ball: its motion (4) and its force on the next
 #: ball.
 HALF = 9
 
@@ -175,10 +175,10 @@ REACH = 0.3
 
 @kernel
 def remaining_closing_rate(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
-    """Return by how much the gap after ball k closes more slowly than it may, divided by the nut's speed along the path.
+    """Return the allowed less the actual closing rate of the gap after ball k, divided by the nut's speed along the path.
 
-    It is the largest rate at which the gap may close (``balls.slack``), less the actual rate at the motions x (N, 4),
-    which are surface speeds divided by the nut's speed along the path.
+    The result is the largest allowed closing rate (``balls.allowed_closing_rate``) less the actual rate at the motions
+    x (N, 4), which are surface speeds divided by the nut's speed along the path.
     """
     ahead = (k + 1) % x.shape[0]
     return float(groove.closing_rate_factor * (x[ahead, 0] - x[k, 0]) + balls.allowed_closing_rate[k])
@@ -188,7 +188,7 @@ def remaining_closing_rate(groove: GrooveArrays, balls: BallArrays, x: Array, k:
 def write_force_balance_residual(
     groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceResiduals
 ) -> float:
-    """Write force balance and complementarity of all balls to ``parts``; return the root of the residuals' square sum.
+    """Write the residuals of force balance and contact conditions to ``parts``; return the root of their sum of squares.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
     (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; eps: regularising speed of friction
@@ -364,11 +364,11 @@ def solve_force_balance_of_balls(
     """Solve the force balance of N balls by Newton's method at one regularising speed; return residual and number of steps.
 
     x (N, 4): motions of the balls (orbit and three spins), surface speeds divided by the nut's speed along the path; f
-    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; both are the start and are
-    overwritten by the solution; eps: regularising speed of friction divided by the nut's speed; ``parts`` are
-    overwritten by residuals and derivatives there. A step is halved until the residual falls. The iteration ends when
-    the residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets it fall;
-    below ``near``, where round-off may be the reason, few halvings are tried.
+    (N,): force of ball k on ball k + 1, divided by the unit of force of ``balls``; x and f are the start and are
+    overwritten by the solution; eps: regularising speed of friction divided by the nut's speed; ``parts`` is
+    overwritten by residuals and derivatives at the solution. A step is halved until the residual falls. The iteration
+    ends when the residual (root of the sum of squares) is at most ``goal``, after ``limit`` steps, or when no step lets
+    the residual fall; below a residual of ``near``, where round-off may be the reason, few halvings are tried.
     """
     n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
     size = write_force_balance_residual(groove, balls, x, f, eps, parts)

@@ -1,7 +1,8 @@
-"""Loads, motions and ball-to-ball forces of balls as one system of equations, and Newton's method on it.
+"""Contact loads, motions and ball-to-ball forces as one system of equations, solved by Newton's method.
 
-Unknowns of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
-after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
+Unknowns of a ball, in this order: position p (x3, z3) in units of ``position_unit``, motion x (4,), force f on the next
+ball; after all balls the screw's displacements u (m,), also in units of ``position_unit``. Forces are in the unit of
+``BallArrays``.
 
 `write_ball_equations` computes what one ball adds to the equations: forces out of balance and their derivatives. In all
 functions x (4,) are a ball's surface speeds over the nut's speed along the path, ``eps`` is the regularising speed over the
@@ -213,10 +214,10 @@ def _add_ball_to_ball_force(
 ) -> None:
     """Add the force between two balls to the force balance of one of them in the plane of its groove section.
 
-    system: data of all balls; which: 0 for the first ball, 1 for the second; row, other: first rows of the first and of
-    the second ball in ``matrix``; rub: direction (u, v) of the sliding of the first on the second ball, and size of
-    this sliding; f: force between them; mu: coefficient of friction; share: fraction of this force and its friction
-    that acts on the loads.
+    system: data of all balls; which: 0 for the first ball, 1 for the second; row: first row of the first ball in
+    ``matrix``; other: first row of the second ball; rub: direction (u, v) of the sliding of the first on the second
+    ball, and size of this sliding; f: force between the two balls; mu: coefficient of friction; share: fraction of this
+    force and its friction that acts on the loads.
     """
     first, second, push, slide = (
         system.groove.first_ball_surface_speeds,
