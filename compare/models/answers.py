@@ -88,7 +88,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Inter
 
     Returns
     -------
-    Clearance or None
+    InternalClearance or None
         Axial and radial play [m], and the contact angle at the end of the play [rad].
     """
     found = internal_clearance(parts) if thrust == "deep groove" else None
@@ -301,7 +301,7 @@ def tangent_stiffness_at(scene: Scene, station: float, model: str, options: Mode
 
     Returns
     -------
-    Tangent
+    TangentStiffness
         Tangent stiffness, and the rigidities that follow from it.
 
     Raises
@@ -339,10 +339,10 @@ def tangent_stiffness_at_nut(scene: Scene, model: str, options: ModelOptions) ->
 
     Returns
     -------
-    Tangent or None
-        The stiffness; None if the model has none.
+    TangentStiffness or None
+        The stiffness; None if it could not be computed.
     str
-        Why the stiffness could not be computed; empty if it was, or if the model never has one.
+        Why the stiffness could not be computed; empty if it was, or if the model never computes a stiffness.
     """
     if model == "liu":
         from rollbench.lowfi.statics.liu import nut_as_spring_row  # heavy import, needed for this model only
@@ -407,7 +407,7 @@ def compute_scene_results(scene: Scene, result: StaticResult, model: str, option
 
     Returns
     -------
-    Answers
+    SceneResults
         Stiffness, preload, lift-off load, friction, load path, and all results that follow from the contact loads.
     """
     bare = loading.solve_with_scaled_loads(scene, 0.0, model, options)
@@ -581,7 +581,7 @@ def validity_warnings(
 
     Yields
     ------
-    Warned
+    ResultWarning
         Warning for a too wide groove, for a static safety below 1, or for a preload above the dynamic load rating.
     """
     if isinstance(parts, Scene):

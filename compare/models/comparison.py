@@ -126,7 +126,7 @@ def comparison_options(
 
     Returns
     -------
-    Options
+    ModelOptions
         The options.
 
     Raises
@@ -218,7 +218,7 @@ def solution_from_result(result: StaticResult, seconds: float | None = None) -> 
 
     Returns
     -------
-    Loads
+    ContactSolution
         Loads, angles in degrees, and displacements of the screw's axis.
     """
     line = result.centreline[:, :3]
@@ -276,7 +276,7 @@ def solution_from_run(run: Run, name: str) -> ContactSolution:
 
     Returns
     -------
-    Loads
+    ContactSolution
         Loads, angles in degrees, and displacements of the screw's axis.
     """
     line, measured = run.centreline, "" if run.measured == measuring_conditions() else str(run.measured)
@@ -618,7 +618,7 @@ def stored_references(
 
     Returns
     -------
-    list of Referenced
+    list of SceneWithReference
         Reference of each nut or bearing; empty if no run is stored.
     """
     runs = tuple(run for level in levels if (run := load_stored_run(scene, level, stores=stores)) is not None)

@@ -379,7 +379,7 @@ def solve_with_results(scene: Scene | Assembly, model: str, options: ModelOption
 
     Returns
     -------
-    Solved or ShaftSolution
+    SceneSolution or ShaftSolution
         The solution with all results.
 
     Raises
@@ -601,7 +601,7 @@ def rating_life_over_duty_cycle(
 
     Returns
     -------
-    Life or None
+    BasicRatingLife or None
         The life.
     str
         Why there is no life; empty if there is one.

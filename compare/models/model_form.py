@@ -293,7 +293,7 @@ def model_errors_on_random_screws() -> tuple[MeasuredModelErrors, ...]:
 def _measured_errors_from_json(read_records: Callable[[], Iterable[dict[str, Any]]]) -> tuple[MeasuredModelErrors, ...]:
     """Return the measured errors of models on scenes from JSON records; empty if the records cannot be read.
 
-    ``read_records``: function that reads the records, each with the fields of `Point`.
+    ``read_records``: function that reads the records, each with the fields of `MeasuredModelErrors`.
     """
     try:
         points = tuple(MeasuredModelErrors(**row) for row in read_records())
@@ -552,7 +552,7 @@ def measure_model_error(
 
     Returns
     -------
-    Point
+    MeasuredModelErrors
         Errors of the model, with the features of the scene.
     """
     error = load_error(result.load, run.load, nominal_contacts(scene))

@@ -141,7 +141,7 @@ def effect_of_changed_choice(
     Parameters
     ----------
     scene, variant, label, choice, kind
-        Fields of the returned `Effect`.
+        Fields of the returned `ModellingChoiceEffect`.
     changed
         Contact loads of n balls by the 3D run with the changed choice, (n, 4) [N].
     unchanged
@@ -149,7 +149,7 @@ def effect_of_changed_choice(
 
     Returns
     -------
-    Effect
+    ModellingChoiceEffect
         Changes of the contact loads, in per cent of the mean load of the unchanged run.
     """
     change = np.asarray(error_percent(changed, unchanged, mean_load(unchanged)))

@@ -125,7 +125,7 @@ def parse_command(name: str) -> ExternalProgram:
 
     Returns
     -------
-    Program
+    ExternalProgram
         Record of the words and the time limit.
 
     Raises
@@ -189,9 +189,10 @@ class ExternalProgram:
 
         Returns
         -------
-        tuple
-            Contact loads, and the displacement of the screw at the nut's centre (6,) [m, rad]; None if the program writes
-            no displacement.
+        ContactLoadsFromFile
+            Contact loads.
+        Array or None
+            Displacement of the screw at the nut's centre, (6,) [m, rad]; None if the program writes no displacement.
 
         Raises
         ------

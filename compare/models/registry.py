@@ -67,7 +67,7 @@ def read_condensed_bodies(scene: Scene, options: ModelOptions) -> CondensedCompl
 
     Returns
     -------
-    Condensed
+    CondensedCompliance
         Condensed stiffness of screw and nut.
 
     Raises
@@ -157,8 +157,8 @@ def _solve_assembly_elastically(assembly: Assembly, options: ModelOptions, *, na
     )
 
 
-def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
-    """Return True: the function `Model.suits` of a model that covers every scene with one nut or bearing row."""
+def covers_any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.covers_scene
+    """Return True: the function `Model.covers_scene` of a model that covers every scene with one nut or bearing row."""
     return True
 
 

@@ -94,7 +94,7 @@ class SceneResultCache:
         return self.static_results[key]
 
     def compute_once(self, function: Callable[..., T], *args: Any) -> T:
-        """Return the value of ``make(self, *args)``, which is computed on first use and then cached.
+        """Return the value of ``function(self, *args)``, which is computed on first use and then cached.
 
         ``function``: function that takes this cache first; ``args``: its other arguments, which must be hashable.
         """

@@ -422,9 +422,11 @@ def bias_and_scatter(rows: Sequence[ErrorWithUncertainty]) -> list[BiasAndScatte
 
     ``rows``: errors with their uncertainties, one for each scene, model and quantity.
 
-    Notes ----- The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to
-    reference, the bias is delta = exp(mean ln(M/E)), and the scatter is sigma_M^2 = var(ln(M/E)) - sigma_E^2, at least
-    zero. sigma_E = u_grid / 2, because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling
+    Notes
+    -----
+    The method is that of NUREG-1824, supplement 1, a validation of fire models. With the ratio M/E of model to reference,
+    the bias is delta = exp(mean ln(M/E)), and the scatter sigma_M follows from sigma_M^2 = var(ln(M/E)) - sigma_E^2, at
+    least zero. sigma_E = u_grid / 2, because u_grid is a 95 % bound, that is two standard deviations. Inputs and modelling
     choices are the same for model and reference and cause no scatter.
     """
     out = []
@@ -446,7 +448,7 @@ def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, 
 
     ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
     estimated without this scene (None: no estimate). The result has for each model
-    both numbers: scenes within the expected error, scenes with an estimate.
+    the number of scenes within the expected error, then the number of scenes with both errors.
     """
     out: dict[str, tuple[int, int]] = {}
     for row in rows:

@@ -367,7 +367,7 @@ def compute_references_on_levels(
 
     Returns
     -------
-    list of Referenced
+    list of SceneWithReference
         3D reference of each nut or bearing.
 
     Raises

@@ -156,11 +156,11 @@ limit_to_one_thread()
 import json
 from rollbench.compare.scenes import catalogue
 from rollbench.meshes.processes import peak_memory_MB
-from rollbench.compare.models.registry import Options, run_model
+from rollbench.compare.models.registry import ModelOptions, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
 path = Path(ask["condensed"]) if ask["condensed"] else None
-options = Options(discretisation=False, engine=ask["engine"], condensed=path)
+options = ModelOptions(estimate_beam_mesh_error=False, engine=ask["engine"], condensed_bodies_file=path)
 spent = []
 for _ in range(1 + ask["repeats"]):
     start = perf_counter()
@@ -204,11 +204,11 @@ from rollbench.meshes.processes import limit_to_one_thread
 limit_to_one_thread()
 import json
 from rollbench.compare.reference.computing import compute_reference_runs
-from rollbench.compare.reference.tasks import Task
+from rollbench.compare.reference.tasks import ReferenceTask
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.running import usable_cores
 ask = json.loads({ask!r})
-(run,) = compute_reference_runs(Task((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
+(run,) = compute_reference_runs(ReferenceTask((catalogue.scene(ask["scene"]),), ask["level"], processes=usable_cores()))
 contacts = int((run.load > 0.0).sum())
 own = {{"memory": run.peak_MB, "status": run.status, "contacts": contacts, "load_case": run.solve_seconds}}
 print(json.dumps({{"done": time(), "stages": run.stages, **own}}))

@@ -129,7 +129,9 @@ def table_figure(table: Table) -> Figure | None:
     caption = f"Model {table.model}." + (
         f" {left} of {len(table.rows)} combinations of values have no result." if left else ""
     )
-    return Figure(f"{table.scene}-table", f"{table.scene}: over its keys", tuple(panels), caption)
+    return Figure(
+        f"{table.scene}-table", f"{table.scene}: requested quantities over the varied keys", tuple(panels), caption
+    )
 
 
 def _ends_of_error_bars(table: Table, name: str, rows: Sequence[int]) -> tuple[list[float], list[float]] | None:

@@ -117,8 +117,10 @@ def rexs_file_with_results(described: Assembly | DutyCycle, solved: Sequence[Sha
 
     Returns
     -------
-    tuple[str, list[str]]
-        XML text of the file, and sentences on what the file does not hold.
+    str
+        XML text of the file.
+    list of str
+        Sentences on what the file does not hold.
 
     Raises
     ------

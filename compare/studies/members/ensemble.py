@@ -561,7 +561,7 @@ def _solve_shaft_block_of_draws(
     """Solve several random draws of the geometric errors of a shaft with several nuts and bearings.
 
     ``kernels``: whether numerical kernels run as plain Python ("interpreted") or as machine code ("compiled"); the other
-    arguments are those of `solve_block`.
+    arguments are those of `solve_block_of_random_draws`.
     """
     results = [run_model(assembly, model, ModelOptions(engine=kernels, member=m)) for m in range(first, first + count)]
     where = ball_slices(assembly)

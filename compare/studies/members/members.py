@@ -248,9 +248,9 @@ def _solve_blocks_of_random_draws(
 ) -> Iterator[tuple[int, RandomDrawBlock]]:
     """Solve random draws of a scene's errors in blocks; yield for each block the number of its first draw, and its results.
 
-    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: first four arguments of
-    `solve_block` (scene, model, kind of kernels, contact loads without random errors); ``count``: number of specimens;
-    ``show_progress``: function that is called with each line of progress.
+    Blocks may be finished in any order but are yielded by increasing numbers. ``block_arguments``: scene, model, kind of
+    kernels, and contact loads without random errors, as `solve_block_of_random_draws` takes them; ``count``: number of
+    specimens; ``show_progress``: function that is called with each line of progress.
     """
     least = LEAST if isinstance(block_arguments[0], Scene) else 1
     size = max(least, min(BLOCK, count // 16))  # depends on the count only, as the division into blocks affects round-off

@@ -484,8 +484,17 @@ def _main_effects_figure(
         short = short_name(vary)
         label = vary.axis_label if short == vary.short_name or not vary.unit else f"{short} / {vary.unit}"
         panels.append(Panel(short, label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.listed_values)))
-    caption = "Mean largest load of the samples in each part of the key's range; bars: standard error." + left_out_sentence
-    return Figure(f"{figure_name}-effects", f"{figure_name}: main effects", tuple(panels), caption, same_y=True)
+    caption = (
+        "Largest contact load, averaged over the samples in each part of a key's range; bars: standard error of this mean."
+        + left_out_sentence
+    )
+    return Figure(
+        f"{figure_name}-effects",
+        f"{figure_name}: mean largest contact load over each varied key",
+        tuple(panels),
+        caption,
+        same_y=True,
+    )
 
 
 def _sample_scatter_figure(
@@ -504,7 +513,12 @@ def _sample_scatter_figure(
         )
         for k in shown
     )
-    return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left_out_sentence}")
+    return Figure(
+        f"{name}-scatter",
+        f"{name}: largest contact load of each sample over each varied key",
+        panels,
+        f"Shown are {len(some)} of {len(rows)} samples.{left_out_sentence}",
+    )
 
 
 def _worst_samples_figure(
@@ -532,7 +546,7 @@ def _worst_samples_figure(
         series,
         abscissa_names=[short_name(v) for v in keys],
     )
-    return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
+    return Figure(f"{name}-worst", f"{name}: key values of the samples with the largest contact loads", (panel,), caption)
 
 
 def _sobol_indices_figure(
@@ -565,7 +579,12 @@ def _sobol_indices_figure(
         include_zero=True,
         abscissa_names=[short_name(v) for v in keys],
     )
-    return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)
+    return Figure(
+        f"{name}-indices",
+        f"{name}: share of the variance of the largest contact load due to each varied key",
+        (panel,),
+        caption,
+    )
 
 
 def sweep_definition(
