@@ -152,14 +152,14 @@ class SceneNotCoveredError(InputError):
 
 
 class ProgramError(SceneNotCoveredError):
-    """Error for an external program, used as the model, that failed; the message has its reason and last output."""
+    """Error for a failed external program used as the model; the message has the reason and the program's last output."""
 
     code = 1
 
 
 @contextmanager
 def show_file_in_scene_errors(name: str, origin: str) -> Iterator[None]:
-    """Replace the scene's name by its file in the message of every `Refusal` that is raised inside the ``with`` block.
+    """Replace the scene's name by its file in the message of every `SceneNotCoveredError` raised in the ``with`` block.
 
     Parameters
     ----------

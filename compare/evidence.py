@@ -1,8 +1,9 @@
 """Comparison of the numbers and claims that publications print with the values that rollbench computes for them.
 
 Commands, report and tests use the same comparison. For each printed table of a publication, `computations.toml` in the
-publication's folder names the function that computes its numbers and the test that asserts them. The expected verdict on a
-number or claim is stored with it; `Evidence.change` states where the actual verdict differs.
+publication's folder names the function that computes the table's numbers and the test that asserts them. The expected
+verdict on a number or claim is stored with it; `PrintedEntryComparison.verdict_change` states where the actual verdict
+differs.
 """
 
 from __future__ import annotations
@@ -43,8 +44,8 @@ class PrintedEntryComparison:
     value: float | None = None
     #: Value computed with the publication's mistakes repeated.
     as_printed: float | None = None
-    #: Value computed under an assumption that was inferred from the printed results; its agreement with them confirms
-    #: nothing.
+    #: Value computed under an assumption that was inferred from the printed results, so that agreement with these
+    #: results confirms nothing.
     value_by_inferred_assumption: float | None = None
     #: Value by the 3D reference.
     reference: float | None = None
@@ -146,7 +147,7 @@ class ComputedEntryValues:
         self.table = table
 
     def _set_fields(self, key: str, **fields: float | bool | str | None) -> None:
-        """Set fields of the `Evidence` record of the number or claim ``key``; KeyError for an unknown key."""
+        """Set fields of the record `PrintedEntryComparison` of the number or claim ``key``; KeyError for an unknown key."""
         if key not in self._entries:
             raise KeyError(f"printed table {self.table}: no printed entry {key!r}")
         self._entries[key] = replace(self._entries[key], **fields)  # type: ignore[arg-type]
@@ -243,9 +244,9 @@ class PrintedTableComputation:
     scenes_or_reason_by_key_pattern: tuple[tuple[str, Behind], ...]
 
     def compute(self, cache: SceneResultCache) -> tuple[PrintedEntryComparison, ...]:
-        """Compute the values for all numbers and claims of the printed table, and return both with verdicts.
+        """Compute the values for all numbers and claims of the printed table, and return each entry with value and verdict.
 
-        ``cache``: cache of computed values. InputError if the function that computes them cannot be imported.
+        ``cache``: cache of computed values. InputError if the function that computes the values cannot be imported.
         """
         if not self.function_path:
             return tuple(
@@ -326,13 +327,14 @@ def evidence(cache: SceneResultCache, *names: str) -> list[PrintedEntryCompariso
     Parameters
     ----------
     cache
-        Cache in which computed values are stored, so that each table is computed once, and used scenes are recorded.
+        Cache in which computed values are stored, so that each table is computed once; it also records which scenes are
+        used.
     *names
         Names of the tables; if none are given, all tables for which something is computed.
 
     Returns
     -------
-    list of Evidence
+    list of PrintedEntryComparison
         Printed numbers and claims with their computed values, in the order of the tables.
 
     Raises

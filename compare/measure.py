@@ -75,19 +75,22 @@ def load_scale_of_check_errors(reference: ArrayLike, mean: float) -> Array:
 class LoadError:
     """Errors of all contact loads of a screw or bearing against those of a reference, in per cent."""
 
-    #: Largest error over all contacts with load in either distribution [% of the reference's mean contact load].
+    #: Largest error over all contacts that are loaded in the judged result or in the reference [% of the reference's
+    #: mean contact load].
     max_percent: float
-    #: Root mean square error over these contacts [% of the reference's mean contact load].
+    #: Root mean square error over the same contacts as ``max_percent`` [% of the reference's mean contact load].
     rms_percent: float
-    #: Largest error over the contacts that are loaded in the reference [% of their reference load], as in Lin's thesis.
+    #: Largest error over the contacts that are loaded in the reference [% of the reference load of each contact], as in
+    #: Lin's thesis.
     own_max_percent: float
-    #: Root mean square error over the contacts that are loaded in the reference [% of their reference load].
+    #: Root mean square error over the contacts that are loaded in the reference [% of the reference load of each
+    #: contact].
     own_rms_percent: float
     #: Number of the ball with the largest error, from 1.
     ball: int
     #: Groove flank with the largest error: SL, SR, NL, NR.
     side: str
-    #: Largest error as `rollbench check` judges it, over all contacts with load in either distribution [% of the load by
+    #: Largest error as `rollbench check` judges it, over the same contacts as ``max_percent`` [% of the load by
     #: `load_scale_of_check_errors`].
     gate_percent: float
 
@@ -158,7 +161,7 @@ def mask_of_loaded_contacts(load: Array) -> Mask:
 
 
 def count_contacts(load: Array, contacts: int = 0) -> int:
-    """Return the number of contacts over which the mean load is taken; see `mean_load`.
+    """Return the number of contacts by which the mean contact load is computed; see `mean_load`.
 
     Parameters
     ----------
@@ -170,7 +173,7 @@ def count_contacts(load: Array, contacts: int = 0) -> int:
     Returns
     -------
     int
-        ``contacts``, or the number of `loaded_contacts` if ``contacts`` is 0.
+        ``contacts``, or the number of loaded contacts by `mask_of_loaded_contacts` if ``contacts`` is 0.
     """
     return contacts or int(np.count_nonzero(mask_of_loaded_contacts(load)))
 
@@ -185,7 +188,8 @@ def mean_load(load: Array, contacts: int = 0) -> float:
     contacts : int, default 0
         Number of loaded contacts in the error-free screw (`lowfi.statics.nominal.nominal_contacts`), the same for all
         models, meshes and specimens of a scene. 0 where it is not known: for loads without a scene, for one of several nuts
-        on a shaft, or where only geometric errors load the screw. Then the number of `loaded_contacts` is used.
+        on a shaft, or where only geometric errors load the screw. Then the contacts of `mask_of_loaded_contacts` are
+        counted.
 
     Returns
     -------

@@ -90,9 +90,9 @@ def quantities_of_record(kind: type) -> dict[str, TableColumn]:
 
 
 def _unit_of_dotted_key(key: str) -> tuple[str, Unit | None]:
-    """Return the last name in a dotted JSON key such as ``loads.max_N``, and the unit of the last part that has one.
+    """Return the last name in a dotted JSON key such as ``loads.max_N``, and the unit of the last name that ends with one.
 
-    The unit is None if no part has one.
+    The unit is None if no name ends with a unit.
     """
     *tables, last = map(name_and_unit_of_key, key.split("."))
     return last[0], next((unit for _, unit in (last, *reversed(tables)) if unit is not None), None)

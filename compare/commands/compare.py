@@ -91,8 +91,8 @@ def compare_and_report(
 
     ``levels``: mesh levels to use; None: the best stored run, or the levels `ADVISED` if none is stored. ``fresh``: compute
     these levels even if they are stored. ``balls``: also print every contact. ``verbose``: also print the causes of the
-    uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises Refusal if no run of a scene
-    converged.
+    uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises SceneNotCoveredError if no run
+    of a scene converged.
     """
     from rollbench.compare.models.comparison import RULE, comparison_rows, models_by_name, path_of_condensed_bodies
     from rollbench.compare.results.base import add_schema_version, format_table_as_text
@@ -262,8 +262,8 @@ def compare(
         Compare with this file instead of the 3D reference, which is listed too if it is stored. The format is that of
         rollbench check --reference.
     bodies
-        Bodies of the 3D model for scenes of friction: half-space, or finite (the meshes of the static reference around
-        each contact, or a ball and grooved bars).
+        Bodies of the 3D model for scenes of friction: half-space, or finite (contact patches of the static 3D
+        reference; on straight tracks a ball and grooved bars).
     """
     wanted = None if levels is None else parse_levels(levels)
     command = model_or_program_name(program)
@@ -307,8 +307,8 @@ def scenes_of_friction_or_none(
 
     ``names``: names or files of the scenes. ``bodies``: bodies of the 3D model, "half-space" or "finite".
     ``unused_arguments``: for each argument that has no effect on scenes of friction, whether the user gave it. Raises
-    InputError for a mix of both sorts of scene, an unknown value of ``bodies``, finite bodies with whole screws, and for
-    such an argument.
+    InputError if only some scenes are scenes of friction, for an unknown value of ``bodies``, for finite bodies with
+    whole screws, and for an argument without effect.
     """
     from rollbench.compare.reference.levels import FINITE, HALF_SPACE
     from rollbench.compare.scenes import catalogue

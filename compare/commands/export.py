@@ -86,11 +86,11 @@ def export(
     balls
         Neighbouring balls that the deck contains, such as 3:5 for balls 3, 4 and 5; the screw is cut to them. Default: all.
     b_over_h
-        Number of elements of the deck across the minor semi-axis of a contact with the mean load.
+        Number of elements in the deck along the minor semi-axis of the contact ellipse under the mean load.
     growth
         Growth of the deck's element size with the distance from the contacts.
     stiffness
-        Contact pressure per overclosure in the deck, in N/mm3.
+        Contact pressure in the deck per mm of overlap of the surfaces, in N/mm3.
     ross
         Write a Python module with a BearingElement of the package ROSS for each row of a table. SCENE is then the JSON
         file that rollbench table wrote.
@@ -257,8 +257,8 @@ def write_part_mesh(
 def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
     """Solve an axis, and write its shaft, loads, bearings and results to a REXS file.
 
-    ``typed``: name or file of the scene. Raises InputError for another kind of scene, Refusal if there is no equilibrium or
-    the REXS format cannot represent the scene.
+    ``typed``: name or file of the scene. Raises InputError for another kind of scene, SceneNotCoveredError if there is
+    no equilibrium or the REXS format cannot represent the scene.
     """
     from rollbench.compare.files import check_writable, replace_file
     from rollbench.compare.models.load_cases import ShaftSolution, solve_shaft_with_results
@@ -291,8 +291,8 @@ def write_axis_as_rexs(typed: str, out: Path, model: str = "") -> CommandOutput:
 def write_stiffness_tables(scene: str, ross: Path | None, modelica: Path | None) -> CommandOutput:
     """Convert a table of stiffnesses, which ``rollbench table`` wrote as JSON, to files for the programs ROSS and Modelica.
 
-    ``scene``: the JSON file. ``ross``, ``modelica``: files to write; None: not written. Raises InputError for another file,
-    and if the table lacks a combination of its values.
+    ``scene``: the JSON file. ``ross``, ``modelica``: files to write; None: not written. Raises InputError if ``scene``
+    is no such file, or if the table lacks a combination of its parameter values.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.studies.table_files import ROSS_DROPS, modelica_table_text, read_table_file, ross_module_text
@@ -318,7 +318,8 @@ def write_step_bodies(described: Solvable, out: Path | None) -> CommandOutput:
     """Write the parts of a scene as CAD bodies and groove surfaces to STEP files, with lengths in mm.
 
     ``out``: file of the bodies, replaced if it exists; None: ``<scene>.step``. Raises InputError if gmsh is missing or a
-    file cannot be written, Refusal for roller bearings (which have no groove) and for parts without wall thickness.
+    file cannot be written, SceneNotCoveredError for roller bearings (which have no groove) and for parts without wall
+    thickness.
     """
     check_gmsh()
     check_packages("scikit-fem")
@@ -411,8 +412,8 @@ def compare_with_calculix(
 
     ``run``: whether decks without a stored result are solved with CalculiX. ``fresh``: whether all decks are solved again.
     ``data``: folder of stored results of CalculiX; None: those of the package. ``work``: folder of decks. ``store``: folder
-    of runs of the 3D reference. ``engine``: computes missing runs. Raises InputError for a scene without results, for
-    results of another scene of that name, and if CalculiX fails.
+    of runs of the 3D reference. ``engine``: computes missing runs. Raises InputError for a scene without stored
+    results, if the results belong to another scene of the same name, and if CalculiX fails.
     """
     from rollbench.compare.studies.crosscheck.results import (
         agreement_sentence,
@@ -466,10 +467,10 @@ def stored_calculix_results(folder: Path, scene: Scene) -> CalculixRunsOfScene:
     found = load_calculix_results(folder, scene.name)
     if found is None:
         allowed, advice = ", ".join(STUDIES), "solve the scene with CalculiX by `run=True`"
-        raise InputError(scene.name, "crosscheck", "a scene without stored results", allowed, advice)
+        raise InputError(scene.name, "crosscheck", "a scene without stored results of CalculiX", allowed, advice)
     if found.key != digest_of_shipped_scene(scene.name):
         wanted = "results of the present scene", "solve the scene again by `run=True`"
-        raise InputError(scene.name, "crosscheck", "results of another scene with this name", *wanted)
+        raise InputError(scene.name, "crosscheck", "stored results for another scene of this name", *wanted)
     return found
 
 

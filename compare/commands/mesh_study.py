@@ -48,14 +48,14 @@ def mesh_study(
     store
         Folder to which runs, the table (CSV) and the figure (SVG) are written.
     spread
-        Also vary, on the coarsest level, the modelling choices that the scene's source leaves open.
+        Also vary, on the coarsest level, the modelling choices that the publication of the scene leaves open.
     source_mesh
         Also solve on the mesh of Lin's thesis: first-order tetrahedra of 0.08 mm around every contact.
     fresh
         Compute runs even if they are stored.
     bodies
-        Bodies of the 3D model for scenes of friction: half-space, or finite (the meshes of the static reference around
-        each contact, or a ball and grooved bars).
+        Bodies of the 3D model for scenes of friction: half-space, or finite (contact patches of the static 3D
+        reference; on straight tracks a ball and grooved bars).
     """
     from rollbench.compare.commands.compare import scenes_of_friction_or_none
 
@@ -113,9 +113,9 @@ def study_mesh_levels(
     """Compute missing runs of the 3D reference on several mesh levels, and return the tables of the study.
 
     The tables are also written as CSV and SVG to the folder ``store``. ``count``: number of the finest level, see
-    `mesh_levels_of_study`. ``spread``: whether modelling choices that the scene's source leaves open are varied.
-    ``source``: whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again. Raises
-    InputError for unknown levels, Refusal if no run of a scene converged.
+    `mesh_levels_of_study`. ``spread``: whether modelling choices that the publication of the scene leaves open are
+    varied. ``source``: whether the mesh of Lin's thesis is used too. ``fresh``: whether stored runs are computed again.
+    Raises InputError for unknown levels, SceneNotCoveredError if no run of a scene converged.
     """
     from rollbench.compare.commands.compare import exit_code_of_references
     from rollbench.compare.files import reason_without_figure, write_csv, write_figure
@@ -165,7 +165,7 @@ def are_all_roller_scenes(names: Sequence[str], unused_arguments: Mapping[str, b
 
     ``names``: names or files of the scenes. ``unused_arguments``: for each option that has no effect on rollers, whether
     the user gave it. ``where``: options for parallel runs, which have no effect on rollers either. Raises InputError if
-    only some scenes have rollers, or if one of these options was used with rollers.
+    only some scenes have rollers, or if all have rollers and the user gave an option without effect.
     """
     from rollbench.compare.errors import ArgumentError
     from rollbench.compare.scenes import catalogue

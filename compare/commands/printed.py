@@ -21,7 +21,7 @@ def judge_printed_numbers(sources: Sequence[str], only: Sequence[str], write: Pa
     """Judge the numbers and claims that publications print; exit code 1 if a verdict differs from the expected one.
 
     ``sources``: names of publications; if empty, all. ``only``: names of printed tables and entries ("table:key"); if
-    empty, all of these publications. ``write``: file for the verdicts. Raises InputError for an unknown name.
+    empty, all tables of these publications. ``write``: file for the verdicts. Raises InputError for an unknown name.
     """
     from rollbench.compare.files import replace_file
     from rollbench.compare.models.study import SceneResultCache
@@ -40,8 +40,8 @@ def judged_entries(
     """Return the numbers and claims of some publications or printed tables with the values computed for them.
 
     ``cache``: cache of computed values. ``sources``: names of publications; if empty, all. ``only``: names of printed
-    tables and entries ("table:key"); if empty, all of these publications. The order is that of the tables. Raises
-    InputError for an unknown name.
+    tables and entries ("table:key"); if empty, all tables of these publications. The order is that of the tables.
+    Raises InputError for an unknown name.
     """
     from rollbench.compare.case import all_cases
     from rollbench.compare.evidence import all_computations, evidence

@@ -67,7 +67,7 @@ def report(
         Also write the slow sections: pictures, friction, rolling, verification, stability. Run times are those stored by
         rollbench bench --long.
     against
-        Earlier report (with a scene: earlier page on this scene) from which changes are listed.
+        Earlier report (with a scene: earlier page on this scene); the new one lists what changed since then.
     reference
         With a scene: file with reference loads that replaces the 3D reference, in the format of rollbench check
         --reference.
@@ -106,7 +106,7 @@ def report(
 def open_written_page(code: int, page: Path, wanted: bool) -> int:
     """Show a written page in the browser if the user wants it, and return the exit code ``code`` unchanged.
 
-    If the computer has no browser or no screen, a line says so. ``wanted``: whether to show the page.
+    If the computer has no browser or no screen, a printed line says so. ``wanted``: whether to show the page.
     """
     if wanted:
         screen = os.name == "nt" or sys.platform == "darwin" or any(map(os.environ.get, SCREENS))

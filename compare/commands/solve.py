@@ -164,7 +164,7 @@ def _check_options_for_scene(scene: Scene | Assembly, solve_options: SolveOption
 
 
 def exit_code_of_solutions(solved: Sequence[SceneSolution | ShaftSolution], solve_options: SolveOptions) -> int:
-    """Return exit code 1 if a load case did not converge or, with ``choices.strict``, has a warning; otherwise 0."""
+    """Return exit code 1 if a load case did not converge or, with ``solve_options.strict``, has a warning; otherwise 0."""
     from rollbench.lowfi.warned import join_brief_warnings
 
     return int(

@@ -157,7 +157,7 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
 
 def solve_extreme_scenes() -> CommandOutput:
-    """Solve a table of extreme scenes with all solvers, and return the outcomes; exit code 1 if that of rollbench fails."""
+    """Solve a table of extreme scenes with all solvers, and return the outcomes; exit code 1 if rollbench's own fails."""
     from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
 
     rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))
@@ -235,15 +235,16 @@ def stability(
     Parameters
     ----------
     survey
-        Number of randomly drawn catalogue screws to solve; the report uses 300.
+        Number of screws to solve, whose dimensions are drawn at random within the range of catalogues; the report uses
+        300.
     out
-        Folder with one line per screw and the runs of the 3D reference, where an interrupted survey resumes. Default:
-        rollbench-survey.
+        Folder for a record of each screw and for the runs of the 3D reference, from which an interrupted survey
+        resumes. Default: rollbench-survey.
     workers
         Number of screws solved in parallel, which need up to 4 GB each. Default: 1.
     keep
         File for the results, which the report reads. The loads are written to a file in the same folder, which rollbench
-        survey reads. Screws that this file already has are not solved again.
+        survey reads. Screws whose results are in this file already are not solved again.
     """
     if survey is not None:
         return print_command_output(

@@ -67,8 +67,8 @@ def sweep(
     seed
         Seed of the random numbers from which the samples are drawn.
     outputs
-        NAME,NAME: quantities to compute, in addition to the largest load, with the names in samples.csv. Default: all.
-        Without rigidity_N_per_um and preload_N, a sample needs one solution instead of two.
+        NAME,NAME: quantities to compute in addition to the largest load; their names are the columns of samples.csv.
+        Default: all. Without rigidity_N_per_um and preload_N, a sample needs one solution instead of two.
     out
         Folder of samples and summary; samples that are stored there are not solved again.
     """

@@ -28,8 +28,8 @@ Column = tuple[str, str, str]
 class CommandOutput:
     """Output of a command, as texts and tables or as JSON, with its exit code.
 
-    data: value to print as JSON, or a function that returns it, which is called only for JSON output. parts: texts and
-    tables (of the package rich) to print otherwise, in this order. code: exit code. folded: whether texts are wrapped to
+    data: value to print as JSON, or a function that returns it, which is called only for JSON output. texts_and_tables:
+    texts and tables (of the package rich) to print otherwise, in this order. wrap_always: whether texts are wrapped to
     `text_width` even if the output is no terminal.
     """
 
