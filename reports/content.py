@@ -232,7 +232,7 @@ class SceneView:
 class LoadedScrew:
     """3D picture of a screw, its nut and its balls, with the contact forces as arrows."""
 
-    #: Name of its file, without the ending.
+    #: Name of the picture's file, without the ending.
     name: str
     #: Title of the picture.
     title: str
@@ -254,7 +254,7 @@ class LoadedScrew:
 class Sketch:
     """Sketch of a screw or bearing from the side, with its supports and loads."""
 
-    #: Name of its file, without the ending.
+    #: Name of the sketch's file, without the ending.
     name: str
     #: Title of the sketch.
     title: str
@@ -290,7 +290,7 @@ class MeshPart:
 class FieldPicture:
     """3D picture of finite-element meshes, of fields on them, or of a plane section through them."""
 
-    #: Name of its file, without the ending.
+    #: Name of the picture's file, without the ending.
     name: str
     #: Title of the picture.
     title: str
@@ -428,7 +428,7 @@ class Section:
 class Page:
     """Web page of a report, with one or more sections."""
 
-    #: Name of its file, without the ending.
+    #: Name of the page's file, without the ending.
     name: str
     #: Title of the page.
     title: str

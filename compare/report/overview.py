@@ -136,7 +136,8 @@ def summarise_accuracy_by_model(points: Mapping[str, Sequence[ErrorAndRunTime]])
 def _summarise_model_accuracy(label: str, points_by_scene: Sequence[tuple[str, ErrorAndRunTime]]) -> ModelAccuracy:
     """Return the errors and run time of one model or mesh level, as medians and maxima over the scenes.
 
-    ``label``: its name in tables. ``points_by_scene``: pairs of a scene's name, and errors and run time on this scene.
+    ``label``: name of the model or mesh level in tables. ``points_by_scene``: pairs of a scene's name, and errors and run
+    time on this scene.
     """
     first = points_by_scene[0][1]
     errors = [largest_error_or_mesh_uncertainty(p) for _, p in points_by_scene]

@@ -225,7 +225,7 @@ def _make_parts_in_worker(
     parts
         Parts of the report to make.
     tables
-        Names of tables of printed numbers; the computed values of these numbers are added to the returned cache.
+        Names of files of printed numbers; the values computed for these numbers are added to the returned cache.
     study_arguments
         Arguments with which the process makes its `SceneResultCache`.
     print_line

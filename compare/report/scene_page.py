@@ -128,7 +128,7 @@ def solve_and_make_page(scene_name: str, stores: Sequence[Path], reference_file:
 def _page_of_highest_pressure_case(
     scene_name: str, cycle: DutyCycle, stores: Sequence[Path], reference_file: Path | None
 ) -> ScenePage:
-    """Return the page on the load case of a duty cycle with the highest pressure; it begins with the results of all cases.
+    """Return the page on the load case of a duty cycle with the highest pressure; it begins with a table of all load cases.
 
     ``scene_name``: name or file of the scene. ``cycle``: its load cases. ``stores``: folders with stored runs of the 3D
     reference. ``reference_file``: file with contact loads that replaces the 3D reference. Raises Refusal if no load case

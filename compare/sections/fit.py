@@ -1,4 +1,4 @@
-"""Report section on the quantities for which each model is accurate enough, by all scenes compared with the 3D reference.
+"""Report section on the quantities in which each model is accurate enough, by comparison with the 3D reference.
 
 Table and figure of the range of compared scenes (sizes, contact angle, load and other descriptors) are made here too.
 """
@@ -161,7 +161,7 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
 
 
 def validated_range_table(scene: Scene | None = None) -> Table:
-    """Return the table of the range in each descriptor (size, angle, load) of the scenes compared with the 3D reference.
+    """Return the table of the range of sizes, angles and loads over the scenes compared with the 3D reference.
 
     ``scene``: scene whose values are added, with a statement whether they lie inside the ranges; None: no scene.
     """
@@ -200,7 +200,7 @@ def validated_range_table(scene: Scene | None = None) -> Table:
 
 
 def validated_range_figure(scene: Scene | None = None) -> Figure:
-    """Draw the scenes compared with the 3D reference as points in diagrams of two descriptors (size, angle, load) each.
+    """Draw the scenes compared with the 3D reference as points in diagrams, each of two of their sizes, angles or loads.
 
     ``scene``: scene that is marked in the diagrams; None: no scene.
     """

@@ -343,7 +343,7 @@ def modelling_choice_table(cache: SceneResultCache) -> Table | None:
 
 
 def refined_mesh_setting_table(cache: SceneResultCache) -> Table | None:
-    """Return the table of load changes when one numerical setting of the finest mesh level is refined at a time.
+    """Return the table of contact-load changes when one numerical setting of the finest mesh level is refined.
 
     The changes are compared with the mesh uncertainty of the loads. Returns None if no such run is stored.
     """

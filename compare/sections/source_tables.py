@@ -128,8 +128,8 @@ def printed_and_computed_table_in_layout(
 ) -> Table:
     """Return a table in the publication's layout, with the computed value next to each printed number.
 
-    The computed value has as many decimals as the printed number. If it repeats an error of the publication, the correct
-    value is added.
+    The computed value has as many decimals as the printed number. If the computed value repeats an error of the
+    publication, the correct value is added.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def printed_and_computed_table_in_layout(
 
 
 def _printed_units(names: Iterable[str], evidence_by_name: Mapping[str, PrintedEntryComparison]) -> set[str]:
-    """Return the set of units of several printed numbers, given by their names; claims in words are left out.
+    """Return the units of the printed numbers called ``names``, each once; claims in words are left out.
 
     ``evidence_by_name``: printed and computed values, by name of the printed number.
     """
@@ -394,7 +394,7 @@ def _sort_key_of_place(place: str) -> tuple[bool, list[int], str]:
 def counts_of_reproduced_numbers_table(
     entries: Sequence[PrintedEntryComparison], name: str = "printed-by-table", *, unfolded: bool = False
 ) -> Table:
-    """Return the table that counts, for each table and section of the publications, printed and reproduced numbers.
+    """Return the table that counts the printed and the reproduced numbers of each table and section of publications.
 
     Parameters
     ----------

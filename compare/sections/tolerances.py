@@ -62,7 +62,7 @@ def tolerance_effect_rows(tolerances: Sequence[VariedKey], sweep_summary: Mappin
     """Return table rows on the effect of each tolerance on the largest contact load, the most influential tolerance first.
 
     ``tolerances``: varied tolerances with their ranges. ``sweep_summary``: summary of the sweep. Each row has the varied
-    range; the smallest and largest mean of the largest contact load over this range [N]; and the first and total Sobol
+    range; the mean largest contact load [N], at its minimum and maximum over this range; and the first and total Sobol
     index with their confidence intervals.
     """
     indices = sweep_summary["indices"]["outputs"][MAIN]

@@ -1,7 +1,7 @@
 """Report sections that verify the 3D reference: against Hertz theory, and against the program CalculiX.
 
 Against Hertz: error, unknowns and run time of each element type, for a circular and an elliptical contact. Against
-CalculiX: contact loads of two small scenes with whole bodies.
+CalculiX: contact loads of two small scenes, whose bodies CalculiX meshes whole, without condensation.
 """
 
 from __future__ import annotations
