@@ -77,7 +77,7 @@ SideArguments = tuple[GrooveMap, int, tuple[float, float], tuple[Material, Mater
 class FlankPatches:
     """Condensed fine meshes (patches) of groove and ball at the contact on one flank, which are the same for all balls.
 
-    Their contact nodes coincide.
+    The contact nodes of groove and ball coincide.
     """
 
     #: Patch of the groove.
@@ -138,7 +138,7 @@ def condense_patches_of_flank(
     Raises
     ------
     ValueError
-        The contact nodes of both do not match, or a submodel cannot be meshed.
+        The contact nodes of groove and ball do not match, or a submodel cannot be meshed.
     """
     groove_place = partial(points_in_box_at_azimuth_zero, m, sockets.socket_size, side)
     ball_socket, place = ball_socket_and_map(m, sockets.socket_size, side, sockets.relative_zone_size)
@@ -290,7 +290,7 @@ NUT_HELD = {
     "flange face": ("seat",),
 }
 
-#: End of ``Dimensions.nut_held`` if the flange's centring fit is bonded as well.
+#: Text at the end of ``Dimensions.nut_held`` if the flange's centring fit is bonded as well.
 FIT = " and centring"
 
 #: Half the thickness of the slice whose mean motion counts as the motion of a cross-section, over the screw's radius; least
@@ -332,7 +332,7 @@ class CondensedBody:
 class CondensedScrew(CondensedBody):
     """Compliance of the part of the screw that is meshed in 3D, condensed to its contacts, upper end, supports and loads.
 
-    In a `Setup` it is corrected for the effect of cutting the shaft at the ends of this part.
+    In a `CondensedGeometry` the compliance is corrected for the effect of cutting the shaft at the ends of this part.
     """
 
     #: Flexibility of the stretch.
@@ -471,7 +471,7 @@ def condense_screw(
 ) -> CondensedScrew:
     """Condense the part of the screw that is meshed in 3D to its contacts, upper end, supports and loads.
 
-    It is fixed at its bore (a ring on a stiff shaft) or at its lower end.
+    That part is fixed at its bore (a ring on a stiff shaft) or at its lower end.
 
     Parameters
     ----------
@@ -590,7 +590,7 @@ def points_clamped_by_bolts(x: Array, y: Array, seat: tuple[float, float], count
 
     Returns
     -------
-    (n,) Flags
+    (n,) Array of bool
         Whether each point lies within a circle.
 
     Examples

@@ -73,7 +73,7 @@ def assemble_contact_compliance(
     sets : Sequence[PlacedNut]
         Nuts or bearings on the shaft.
     mounted : SupportedShaft
-        Stretches of the screw and nuts on movable housings, under their supports and loads.
+        Parts of the screw that are meshed in 3D, and nuts on movable housings, under the supports and loads.
     leave_out : frozenset[str], optional
         Names of the parts of the model that are left out, from `hifi.reference.INGREDIENTS`.
 
@@ -229,7 +229,7 @@ def expected_touching_nodes(p: PlacedNut, gap: Array) -> Array:
 
     Returns
     -------
-    (balls, n) Flags
+    (balls, n) Array of bool
         Whether each node is expected to touch.
     """
     out = np.zeros(gap.shape, dtype=bool)
@@ -397,8 +397,8 @@ def ball_motion_relative_to_grooves(
     under its helical motion, which changes no gap and in which frictionless contact forces do no work, so that every
     contact stays level with its ball.
 
-    Linear kinematics alone would err here: a screw that winds up by an angle theta moves its contacts R theta/2 along
-    the track and R theta^2/2 out of their section. The motion could also be taken from the centre of pressure, but
+    Linear kinematics alone would give wrong normals: a screw that winds up by an angle theta moves its contacts R theta/2
+    along the track and R theta^2/2 out of their section. The motion could also be taken from the centre of pressure, but
     under a light contact that closes few nodes of the grid the centre of pressure sticks to them, or jumps.
 
     Parameters

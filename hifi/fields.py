@@ -131,7 +131,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     Returns
     -------
     (n, 6) Array
-        Stresses xx, yy, zz, yz, xz, xy [Pa]; not a number at nodes that belong to none of these cells.
+        Stresses xx, yy, zz, yz, xz, xy [Pa]; nan at nodes that belong to none of these cells.
     """
     nodes = mesh.elem.doflocs.T
     basis = forms.cell_basis(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))

@@ -44,7 +44,7 @@ class SymbolicFactor(NamedTuple):
     elimination_order: Index
     #: First column of each supernode, in the elimination order; n comes last.
     first_columns: Index
-    #: Index in ``rows`` at which the rows of each supernode begin; the number of all rows comes last.
+    #: Index in ``rows_of_supernodes`` at which the rows of each supernode begin; the number of all rows comes last.
     row_starts: Index
     #: Rows of each supernode in the elimination order, supernode after supernode; those of its diagonal block come first.
     rows_of_supernodes: Index
@@ -508,9 +508,9 @@ def symmetric_compliance_of_loads(K: sp.sparray, load_rows: sp.sparray) -> Array
 def compliance_of_load_columns(K: sp.sparray, B: sp.sparray) -> Array:
     """Compute the matrix B^T K^-1 B for a stiffness K and loads B; a large K is eliminated without storing its factor.
 
-    The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given,
-    and the whole factor is stored and solved with; that factorisation reports what is wrong with the matrix. Small
-    problems, up to `SMALL` degrees of freedom and `FEW` entries of B, are solved by the whole factor without a warning.
+    The result is checked by an additional column K x with a known solution x. If the check fails, a warning is given, and
+    the system is solved with the whole factor, which reports what is wrong with the matrix. Small problems, up to `SMALL`
+    degrees of freedom and `FEW` entries of B, are solved by the whole factor without a warning.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def solve_reference(
         Names of parts of the model to leave out, from `INGREDIENTS`, such as "elastic nut" (the nut is then rigid).
     frozen : bool, default False
         Whether to compute, in addition, the contact loads with nominal contact normals and gaps
-        (`ReferenceResult.frozen`); both solutions share the first round.
+        (`ReferenceResult.loads_with_nominal_normals`); both solutions share the first round.
     step : Callable[[str], None], optional
         Function that is called with a progress text in every round of a solution that takes longer than `SLOW` seconds.
 
@@ -198,7 +198,7 @@ class LoadCase:
         frame : ShaftSupports
             Supports, loads and housings.
         mounted : SupportedShaft
-            Stretches of the shaft and nuts on housings, under their supports and loads.
+            Parts of the shaft that are meshed in 3D, and nuts on housings, under the supports and loads.
         leave_out : frozenset[str], optional
             Names of parts of the model to leave out, from `INGREDIENTS`.
         """
@@ -252,7 +252,7 @@ class LoadCase:
         """Return the factors ``(k,)`` on the k rigid motions that no support prevents, as solved in a round.
 
         ``last``: solution of the round. The rigid motions of shaft and housings [m, rad] are the columns of
-        `SupportedShaft.motions`.
+        `SupportedShaft.free_motions`.
         """
         return last.contact_solution.rigid_motions[3 * self.balls :]
 

@@ -387,17 +387,17 @@ class RecordJob(NamedTuple):
 
 @dataclass(frozen=True)
 class ComputedRecord:
-    """Result of a `Job`, with the time and memory that its computation took."""
+    """Result of a `RecordJob`, with the time and memory that its computation took."""
 
     #: The record.
     result: Any
-    #: Time of computing or reading it [s].
+    #: Time of computing the record, or of reading it from the cache [s].
     elapsed_seconds: float
-    #: Whether it came from the cache.
+    #: Whether the record came from the cache.
     from_cache: bool
-    #: Time of computing it, also if it came from the cache [s].
+    #: Time that its computation took, now or when it was written to the cache [s].
     seconds_without_cache: float
-    #: Identifier of the process that computed it.
+    #: Identifier of the process that computed or read the record.
     process_id: int
     #: Peak memory of that process [MB]; None: not measured.
     peak_memory_MB: float | None

@@ -2,7 +2,8 @@
 
 A body is its coarse mesh plus the condensed patches in its refinement boxes. Only the few smooth modes matter in which a
 patch's contact forces act on its refinement box: with the transfer H = V Q, of few modes V, the contact nodes of a patch
-move by u = A f + V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T.
+move by u = A f + V z, z = Q q, and the coarse body responds with z = G V^T f, G = Q K^-1 Q^T. A: compliance with the box's
+faces fixed; f: contact forces; q: displacements of the box's nodes; K: stiffness of the coarse body.
 
 The local compliance of a contact comes from a submodel: a short, finely meshed piece of its body around the contact. A
 coarse body tied to a condensed patch transfers loads from contact to contact well, but is too stiff under a contact's own
@@ -296,7 +297,7 @@ def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, A
 
     Returns
     -------
-    (r, size) sparse array
+    (r, freedom_count) sparse array
         Matrix Q with a row for each of the r modes of all refinement boxes, box after box.
     """
     data, row, column = [], [], []

@@ -7,8 +7,8 @@ unequal weights, so that a row of nodes is not like the next one.) It therefore 
 cell, and the mean follows a smooth law of the force (`fit_smooth_force_law`).
 
 Each contact's gaps are corrected by that law less the approach at the contact's position. Both are computed for one contact
-pressed straight in, with all the compliance of its submodels, because the phase of the wave follows the ellipse, which
-depends on the body's contribution to the gap. The correction vanishes with the cell size.
+pressed straight in, with all the compliance of its submodels, because the phase of the wave follows the ellipse, and the
+ellipse depends on the body's contribution to the gap. The correction vanishes with the cell size.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def grid_cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
     """
     if patch.contact_grid_shape is None:
         raise ValueError(
-            "the cell sizes of a contact zone got a mesh whose contact nodes form no grid; allowed: a mesh of hexahedra"
+            "the contact nodes of a mesh form no grid, so that its cell sizes are unknown: use a mesh of hexahedra"
         )
     _, tangent, forward = contact_frame_vectors(m, side)
     n, k = (count // 2 for count in patch.contact_grid_shape)
@@ -190,7 +190,8 @@ def solve_unilateral_contact(
 ) -> tuple[Array, Flags]:
     """Compute the approach of two bodies in unilateral contact under several loads.
 
-    Nodal forces p >= 0 and gaps C p + gap - approach * close >= 0 are complementary, and close . p equals the load.
+    Nodal forces p >= 0 and gaps C p + gap - approach * gap_closing >= 0 are complementary: at each node one of the two is
+    zero. The sum of gap_closing * p equals the load.
 
     Parameters
     ----------

@@ -135,16 +135,16 @@ def graded_cell_boundaries(uniform_half_length: float, step: float, growth: floa
     Parameters
     ----------
     uniform_half_length : float
-        Half the length of the equally divided part, from -inner to inner.
+        Half the length of the inner part, from -uniform_half_length to uniform_half_length.
     step : float
-        Approximate step in that part.
+        Approximate cell size in that part.
     growth : float
-        Approximate ratio of neighbouring steps beyond that part.
+        Approximate ratio of neighbouring cell sizes beyond that part.
 
     Returns
     -------
     Array
-        Boundaries of the steps, ascending from -1 to 1.
+        Boundaries of the cells, ascending from -1 to 1.
 
     Examples
     --------
@@ -164,14 +164,14 @@ def growing_cell_boundaries(start: float, end: float, first: float, ratio: float
     start, end : float
         First and last boundary.
     first : float
-        Approximate length of an imaginary step before ``start``, from which the steps grow.
+        Approximate size of an imaginary cell before ``start``, from which the cells grow.
     ratio : float
-        Ratio of neighbouring steps.
+        Ratio of neighbouring cell sizes.
 
     Returns
     -------
     Array
-        Boundaries of the steps, ascending from ``start`` to ``end``.
+        Boundaries of the cells, ascending from ``start`` to ``end``.
 
     Examples
     --------
@@ -301,7 +301,8 @@ def _create_patch_mesh(
     """Create the record of a patch from its mesh and the data of its nodes, and name the boundaries of the mesh.
 
     A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
-    nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the fields of `PatchMesh`.
+    nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the remaining fields of
+    `PatchMesh`, in their order.
     """
     outer = mesh.boundary_facets()
     corners = mesh.facets[:, outer]
@@ -316,7 +317,7 @@ def _create_patch_mesh(
 def mean_normal_displacement_matrix(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_array:
     """Return the matrix that gives the normal displacements of c contact nodes from all nodal displacements of a patch.
 
-    Each is a mean over the contact zone, weighted by the pressure basis function of the node.
+    Each displacement is a mean over the contact zone, weighted by the pressure basis function of the node.
 
     Parameters
     ----------
@@ -564,7 +565,8 @@ def nodal_displacements_of_patch(
 ) -> Array:
     """Compute the displacements of all nodes of a patch from its contact forces and the motion of its refinement box.
 
-    Its equations are solved once more. At the contact the displacements agree with the condensed patch, A f + H q.
+    The equations of the patch are solved once more. At the contact the displacements agree with the condensed patch, A f +
+    H q.
 
     Parameters
     ----------

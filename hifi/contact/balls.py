@@ -6,8 +6,8 @@ With C = blkdiag(D_i) + U G U^T (one block per ball), gaps g = g0 + C lambda - N
     psi_i(g) = -min_{lambda >= 0} (1/2 lambda^T D_i lambda + g^T lambda)
 
 is convex; at its minimum w = U^T lambda and the rigid motions y are in equilibrium. Each psi_i is the energy of one ball
-between fixed grooves, a small contact problem solved exactly by an active set. So every step has converged contacts, and
-the line search can use the energy. A plain active set on all balls at once may cycle, because the equilibrium of free
+between fixed grooves, a small contact problem solved exactly by an active set. So the contacts of every step are converged,
+and the line search can use the energy. A plain active set on all balls at once may cycle, because the equilibrium of free
 balls gives equality constraints.
 
 Contact pairs i carry forces lambda_i >= 0 [N], pressing the bodies apart, and have gaps g_i >= 0 [m]:
@@ -100,7 +100,7 @@ class BallContactCompliance:
         ----------
         active : (n,) Flags
             Whether each contact pair is active, that is in contact.
-        known : BallComplianceFactor | None, default None
+        other_factor : BallComplianceFactor | None, default None
             Factor of another active set; the factors of flanks on which both sets agree are reused.
 
         Returns
@@ -279,7 +279,7 @@ def _consecutive_slices(counts: Sequence[int]) -> tuple[slice, ...]:
 
 
 def contact_compliance_of_single_ball(block: Array | BallContactCompliance) -> ContactCompliance:
-    """Create the `Compliance` of a contact problem with a single ball, from a `BallContactCompliance` or a dense matrix.
+    """Create the `ContactCompliance` of a problem with a single ball, from a `BallContactCompliance` or a dense matrix.
 
     Parameters
     ----------
@@ -302,11 +302,11 @@ def contact_compliance_of_single_ball(block: Array | BallContactCompliance) -> C
 def contact_compliance_of_coupled_balls(
     blocks: Sequence[Array | BallContactCompliance], modes: Sequence[Array], coupling: Array
 ) -> ContactCompliance:
-    """Create the compliance blkdiag(D_p) + U G U^T of several balls and check its matrices; see `Compliance`.
+    """Create the compliance blkdiag(D_p) + U G U^T of several balls and check its matrices.
 
     Parameters
     ----------
-    blocks : BallBlocks or (n_p, n_p) Arrays
+    blocks : Sequence of BallContactCompliance or (n_p, n_p) Array
         Compliance D_p between the n_p contact pairs of each ball [m/N].
     modes : (n_p, r_p) Arrays
         Modes U_p of each ball by which its contacts are coupled to those of other balls.

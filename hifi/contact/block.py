@@ -43,8 +43,9 @@ SIZE = 3.0
 #: Ratio of the sizes of neighbouring hexahedra outside the contact, and edge of tetrahedra there over their distance from
 #: the contact, both for a mesh of four cells across the short semi-axis.
 GROWTH, GRADING = 1.8, 0.5
-#: Tetrahedra of Lin's thesis (section 2.4.1) [m]: first order, edge within the body of influence and elsewhere. The size
-#: and shape of that body are not printed: a sphere of this radius, with edges growing by a fifth of the distance beyond.
+#: Tetrahedra of Lin's thesis (section 2.4.1) [m]: first order, edge within the body of influence and elsewhere. The thesis
+#: does not state the size and shape of that body; here it is a sphere of this radius, with edges growing by a fifth of the
+#: distance beyond.
 SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
 
 
@@ -60,7 +61,8 @@ class SurfaceCompliance:
     half_space_compliance: Array
     #: Displacement of each node into the body by unit forces, with the cut faces of the block fixed ``(m, m)`` [m/N].
     fixed_block_compliance: Array
-    #: Largest difference of `matrix` from its transpose, over its largest entry, before both were averaged.
+    #: Largest difference of ``half_space_compliance`` from its transpose, over its largest entry, before it was made
+    #: symmetric.
     asymmetry: float
     #: Number of free degrees of freedom.
     free_degree_of_freedom_count: int
@@ -134,7 +136,7 @@ def surface_compliance(
 ) -> SurfaceCompliance:
     """Compute the compliance between surface nodes within an ellipse, for a half-space and for a block with fixed faces.
 
-    Both follow from one mesh of a block: its cut faces move as in the half-space, or are fixed.
+    Both follow from one mesh of a block, whose cut faces move as in the half-space, or are fixed.
 
     Parameters
     ----------
@@ -211,7 +213,7 @@ class HertzProblem:
     name: str
     #: Relative radius along x [m].
     relative_radius_x: float
-    #: Relative radius along y [m], at most ``radius_x``, so that the long semi-axis lies along x.
+    #: Relative radius along y [m], at most ``relative_radius_x``, so that the long semi-axis lies along x.
     relative_radius_y: float
     #: Young's modulus [Pa].
     young: float = 210e9

@@ -78,7 +78,7 @@ class RollerError(ArithmeticError):
 class CondensedRoller:
     """Compliance and gaps of one tapered roller with its cup and cone, at the nodes of both contact zones.
 
-    They do not depend on the load.
+    Neither compliance nor gaps depend on the load.
     """
 
     #: Row of the roller.
@@ -118,9 +118,10 @@ class RollerContactSolution:
     approach: float
     #: Stiffness: derivative of the load by the approach [N/m].
     stiffness: float
-    #: Pressures on cup and cone at the nodes of `CondensedRoller.along` and `CondensedRoller.across` ``(2, m, n)`` [Pa].
+    #: Pressures on cup and cone at the nodes of `CondensedRoller.positions_along` and `CondensedRoller.positions_across`
+    #: ``(2, m, n)`` [Pa].
     pressures: Array
-    #: Loads per length on cup and cone at the nodes of `CondensedRoller.along` ``(2, m)`` [N/m].
+    #: Loads per length on cup and cone at the nodes of `CondensedRoller.positions_along` ``(2, m)`` [N/m].
     line_loads: Array
     #: Largest difference between the resultant of a race's pressures and the load, over the load.
     load_imbalance: float

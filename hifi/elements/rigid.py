@@ -48,7 +48,7 @@ def rigid_motion_transfer_along_z(distance: float) -> Array:
     Returns
     -------
     (6, 6) Array
-        Translation and rotation of the point at z + arm by those of the point at z.
+        Translation and rotation of the first point from those of the second.
 
     Examples
     --------

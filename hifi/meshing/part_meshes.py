@@ -52,7 +52,7 @@ MARGIN = (1.15, 1.2)
 #: Largest reduction of the cell size where the refinement box is hardly wider than the contact.
 TIGHT = 4.0
 
-#: Points around an ellipse at which its reach is evaluated.
+#: Number of points around an ellipse at which its reach is evaluated.
 AROUND = 73
 
 

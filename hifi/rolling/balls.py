@@ -9,8 +9,9 @@ moves by V dt through every contact, so that
 
     s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
 
-where A_shifted gives the old displacements at the old position of the material; nothing is interpolated. The method is of
-first order in the step. Contact forces are prescribed and constant; the frame moves with each ball's centre.
+with the slip s, the tangential compliance A and the tangential forces q. A_shifted gives the old displacements at the old
+position of the material; nothing is interpolated. The method is of first order in the step. Contact forces are prescribed
+and constant; the frame moves with each ball's centre.
 """
 
 from __future__ import annotations
@@ -438,7 +439,7 @@ def solve_rolling(
     scene : kinematics.RollingBalls
         The balls and their contact loads.
     choices : RollingSettings | None, default None
-        Numerical choices; None: the defaults of `Choices`.
+        Numerical settings; None: the defaults of `RollingSettings`.
     start_result : RollingResult | None, default None
         Solution on the same grid, whose motions and forces are the starting values; None: estimated starting values.
     smoothing_ratios : tuple[float, ...], default PATH
@@ -627,7 +628,7 @@ def solve_rigid_rolling(
         Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     bodies : Sizes | None, default None
         Meshes of finite bodies; None: half-spaces. The relative radii at each contact are replaced by those with which
-        half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_radii`).
+        half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_half_space_radii`).
 
     Returns
     -------
@@ -747,7 +748,7 @@ def compute_motion_from_rest(
     gap : float, default 0.0
         Gap between neighbouring balls at the beginning [m].
     choices : RollingSettings | None, default None
-        Numerical choices; None: the defaults of `Choices`.
+        Numerical settings; None: the defaults of `RollingSettings`.
 
     Returns
     -------

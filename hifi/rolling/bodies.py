@@ -8,7 +8,7 @@ the static reference does not have, they are a whole ball and a grooved bar (`hi
 meshed by `hifi.bodies.patch.mesh_hexahedral_patch` on the exact groove, or on the ball, in its refinement box of a piece of
 screw, ring, nut or ball cut as in `hifi.condensation`. Patch and piece are solved together
 (`hifi.bodies.coarse.compliance_of_patch_in_submodel`). The cells of the contact zone are those of the other bodies of
-rolling (`hifi.rolling.contact_bodies.Zone`).
+rolling (`hifi.rolling.contact_bodies.ContactZone`).
 
 A body is free, with its loads balanced by a rigid field of body forces, or fixed at its boundary "held". The cut of a
 half-space's block moves by Boussinesq's and Cerruti's point forces.
@@ -438,7 +438,7 @@ def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, youn
 
 
 def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
-    """Compute the compliance of a half-space between m load cases, on a finite block whose cut faces move as in it.
+    """Compute the compliance of a half-space between m load cases, on a block whose cut faces move as in the half-space.
 
     The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
     arguments are those of `compliance_of_free_body`; ``body`` is the block.
@@ -559,7 +559,7 @@ MOST = 32
 
 
 def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
-    """Make a function cache its results in memory by its arguments (a decorator); all functions share `MOST` results.
+    """Make a function cache its results in memory by its arguments (a decorator); all functions together keep `MOST`.
 
     ``make``: function that computes a compliance kernel.
     """
@@ -734,8 +734,8 @@ class ContactGeometry:
     relative_radii: tuple[float, float]
     #: Angle from the groove's bottom to the contact [rad].
     contact_angle: float
-    #: Radius [m] and rise [m/rad] of the path of the balls' centres, as in `hifi.rolling.kinematics.Track.curve`; None: the
-    #: path is straight.
+    #: Radius [m] and rise [m/rad] of the path of the balls' centres, as in
+    #: `hifi.rolling.kinematics.TrackMotion.path_radius_and_rise`; None: the path is straight.
     path_radius_and_rise: tuple[float, float] | None
 
     @property

@@ -223,7 +223,7 @@ def _newton_terms_of_coulomb_law(
 
 @dataclass
 class _FrictionProblem:
-    """Friction problem of several contacts whose bodies are in equilibrium (function ``balance``)."""
+    """Friction problem of several contacts whose bodies are in equilibrium (function ``equilibrium``)."""
 
     contacts: Sequence[FrictionContact]
     equilibrium: Balance
@@ -392,7 +392,7 @@ def solve_friction(
     """Solve Coulomb's law and equilibrium, eqs. (1) and (2) of this module, for several contacts.
 
     The results are tangential forces, slips and rigid motions. If Coulomb's law does not converge from the starting values,
-    the smoothed law provides better ones. `Friction.status` tells whether the solution converged.
+    the smoothed law provides better ones. `FrictionSolution.status` tells whether the solution converged.
 
     Parameters
     ----------

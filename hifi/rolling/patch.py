@@ -134,9 +134,9 @@ class ComplianceKernel:
         return np.asarray(left @ self._coefficient_block(rows, columns) @ right.T)
 
     def displacement_slopes(self, at: Array, rows: slice, columns: slice) -> Array:
-        """Compute the derivative with respect to x of the displacements that `block` gives ``(r n, c n)`` [1/N].
+        """Compute the derivative with respect to x of the displacements by unit forces ``(r n, c n)`` [1/N].
 
-        The arguments and the order of rows and columns are those of `block`.
+        The arguments and the order of rows and columns are those of `displacements_by_unit_forces`.
         """
         powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)
@@ -567,7 +567,7 @@ def solve_elastic_contact_on_grid(
         Numbers of cells along x and y.
     finite_body_kernel : ComplianceKernel | None, default None
         Kernel of finite bodies: their compliance less that of half-spaces; None: half-spaces. Only
-        `Patch.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
+        `GridContact.tangential_displacement_rate` contains the tangential displacement that their pressure causes.
     margin : float, default MARGIN
         Ratio of the width of the grid to the width of Hertz's ellipse.
 

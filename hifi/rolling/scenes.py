@@ -10,7 +10,8 @@ has its centre at d_i from the ball's: with the ball displaced by p and the inne
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 
 and the forces C_i^(-3/2) approach_i^(3/2) along d_i are in equilibrium with the applied ones where the energy sum 2/5
-C_i^(-3/2) approach_i^(5/2) - pull u - push p is least. Contact angles follow the loads.
+C_i^(-3/2) approach_i^(5/2) - pull u - push p is least, with the applied forces pull on the inner body and push on the
+balls. Contact angles follow the loads.
 """
 
 from __future__ import annotations
@@ -556,7 +557,7 @@ def solve_loads_with_rolling(
     static_problem : StaticProblem
         The static problem.
     choices : RollingSettings
-        Numerical choices of rolling.
+        Numerical settings of rolling.
     balls_may_touch : bool
         Whether neighbouring balls may touch each other.
 

@@ -434,7 +434,7 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
     share : float
         Tangential force Q over mu P, the normal force P times the coefficient of friction.
     finite_balls : Sizes | None, default None
-        Numerical choices of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
+        Numerical settings of finite balls, whose shift is that of half-spaces plus that of the bodies by Q; None:
         half-spaces.
 
     Returns
@@ -505,7 +505,7 @@ def compare_ball_friction_with_point(
     points : int, default 60
         Number of quadrature points, or of the grid's cells, along each axis of the contact.
     finite_balls : Sizes | None, default None
-        Numerical choices of finite balls, on a grid; None: Hertz's circle, by quadrature.
+        Numerical settings of finite balls, on a grid; None: Hertz's circle, by quadrature.
 
     Returns
     -------

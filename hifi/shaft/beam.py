@@ -99,7 +99,7 @@ def end_flexibility_of_cantilever(length: float, per_length: Array) -> Array:
     length : float
         Length of the cantilever [m].
     per_length : (6, 6) Array
-        Flexibility of the beam per unit length, as `ShaftSection.per_length`.
+        Flexibility of the beam per unit length, as `ShaftSection.flexibility_per_length`.
 
     Returns
     -------
@@ -215,7 +215,7 @@ class ShaftSupports:
         return np.array([1.0] * 3 + [self.length_per_rotation] * 3)
 
     def spring_stiffnesses(self) -> list[tuple[Array, Array]]:
-        """List the springs between housings, and between housings and the frame of the machine.
+        """List the springs between housings, and between a housing and the machine frame.
 
         Returns
         -------
