@@ -1,10 +1,10 @@
 """Compliance of screw, nut and balls along the contact normals, computed by 3D meshes for a low-order model.
 
-Every contact force is distributed over its nodes like Hertz's pressure, and the compliance matrices hold for one force.
-The remainder of a contact's approach, besides these matrices and Hertz's law, is sampled over the forces that its patch
-can resolve. It has two parts: the approach of the fine patches of groove and ball with fixed refinement boxes, solved as a
-contact problem, and the change of the bodies' compliance for a smaller or larger contact ellipse. The oscillation of
-the approach with the contact's position on its mesh grid is removed as everywhere in the reference
+Every contact force is distributed over its nodes like Hertz's pressure, and the compliance matrices hold for one value of
+this force. The remainder of a contact's approach, besides these matrices and Hertz's law, is sampled over the forces that
+its patch can resolve. It has two parts: the approach of the fine patches of groove and ball with fixed refinement boxes,
+solved as a contact problem, and the change of the bodies' compliance for a smaller or larger contact ellipse. The
+oscillation of the approach with the contact's position on its mesh grid is removed as everywhere in the reference
 (`hifi.bodies.grid_wave`).
 """
 

@@ -39,12 +39,13 @@ from rollbench.meshes.arrays import Array
 from rollbench.meshes.errors import draw_geometry_with_errors
 from rollbench.meshes.parts import Scene
 
-#: Remaining change of any contact load at which directions and gaps count as settled, over the mean load: a hundredth of
-#: the mesh uncertainty on the finest level (0.1 %).
+#: Remaining change of any contact load at which contact normals and gaps count as settled, over the mean load: a hundredth
+#: of the mesh uncertainty on the finest level (0.1 %).
 SETTLED = 1e-5
-#: Largest number of updates of directions and gaps; most scenes take three or four.
+#: Largest number of updates of contact normals and gaps; most scenes take three or four.
 ROUNDS = 30
-#: Largest ratio of successive changes from which the remaining change is extrapolated: a slower series does not converge.
+#: Largest ratio of successive changes from which the remaining change is extrapolated: changes that decrease more slowly do
+#: not converge.
 SLOWEST = 0.99
 #: Reason of a solution that does not converge because a contact presses on the outermost nodes of its zone.
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
@@ -52,7 +53,7 @@ AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too
 SLOW = 5.0
 #: Names of the parts of the 3D reference's model that can be left out, to see their effect.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
-#: Motion of balls and grooves that stay in their nominal positions (`ball_motion_relative_to_grooves`).
+#: Zero motions across and along the track, for balls in their nominal positions (`ball_motion_relative_to_grooves`).
 _NO_MOTION = np.zeros((1, 1, 3)), np.zeros((1, 1))
 
 
@@ -189,7 +190,7 @@ class LoadCase:
         mounted: SupportedShaft,
         leave_out: frozenset[str] = frozenset(),
     ) -> None:
-        """Prepare the compliance, errors and directions of a load case.
+        """Prepare the compliance, manufacturing errors and contact normals of a load case.
 
         Parameters
         ----------

@@ -1,8 +1,8 @@
 """Preparation of one geometry of the 3D reference: meshes, condensed patches, and compliance of screw, nut and balls.
 
 Screw, nut and one ball are meshed coarsely, with a refinement box (a pocket for a fine patch) at every contact. One fine
-patch per flank is condensed exactly and fits every refinement box of that flank. All load cases, supports and error
-patterns of the geometry share this set-up.
+patch per flank is condensed exactly and fits every refinement box of that flank. All load cases of the geometry share this
+set-up, whatever their supports and manufacturing errors.
 
 The parts of a set-up are computed in several processes of this machine (`compute_records`): gmsh and the sparse
 factorisation handle one part at a time in each process.
@@ -176,7 +176,7 @@ def mesh_and_condense_geometry(
         Function that is called with a text on the progress.
     scenes : Sequence[Scene], optional
         Further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
-        errors.
+        manufacturing errors.
     cache : Cache | None, default None
         Cache of meshes and condensed parts; None: compute everything.
     processes : int, default 1

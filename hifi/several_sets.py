@@ -41,9 +41,9 @@ DIFFERENCE, NOISE = 0.05, 1e-2
 class MeshedSetGeometry:
     """Geometry that is meshed in 3D for one of several nuts or bearings on a shaft, with the shaft around it."""
 
-    #: Parts without errors, in local axial positions.
+    #: Parts without manufacturing errors, in local axial positions.
     parts_without_errors: Scene
-    #: Parts with their errors.
+    #: Parts with their manufacturing errors.
     parts_with_errors: Scene
     #: Axial position on the shaft of the origin of the local axial positions [m].
     origin_on_shaft: float

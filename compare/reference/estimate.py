@@ -444,11 +444,11 @@ class Reference:
     uncertainty: Array
     #: Uncertainty of the loads due to the mesh, with its parts.
     parts: MeshUncertainty
-    #: Number of contacts that are loaded in the screw without geometric errors; 0: not known.
+    #: Number of contacts that carry load if the screw has no geometric errors; 0: not known.
     contacts: int = 0
     #: Name of the reference; for a user's file, the name of the file.
     label: str = "3D reference"
-    #: Text on the uncertainty in a user's file; empty for a computed reference.
+    #: What a user's file states about its uncertainty; empty for a computed reference.
     stated: str = ""
     #: Other contact quantities in a user's file, (n, 4) in SI units, by name.
     further: Mapping[str, Array] = field(default_factory=dict)
@@ -513,7 +513,7 @@ def reference_from_runs(name: str, scene: Scene, runs: tuple[Run, ...], contacts
     runs
         Runs, coarse to fine.
     contacts
-        Number of contacts that are loaded in the screw without geometric errors; 0: not known.
+        Number of contacts that carry load if the screw has no geometric errors; 0: not known.
 
     Returns
     -------

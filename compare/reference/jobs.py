@@ -41,9 +41,9 @@ BASE_GB = {0: 0.6, 1: 0.65, 2: 0.9, 3: 1.3, 4: 2.2, 5: 4.4}
 
 CONTACT_GB = 0.007
 
-#: Stages that are divided between two processes, factor by which they are then faster, and memory that the second process
-#: adds: up to `TOGETHER` contacts the share `MORE` of the memory of one process. With more contacts the second process
-#: computes only patches (`hifi.setup.TOGETHER`) and adds the share `PATCHES_ALONE` of `BASE_GB`.
+#: Stages that are divided between two processes, factor by which these stages are then faster, and memory that the second
+#: process adds: up to `TOGETHER` contacts the share `MORE` of the memory of one process. With more contacts the second
+#: process computes only patches (`hifi.setup.TOGETHER`) and adds the share `PATCHES_ALONE` of `BASE_GB`.
 SHARED, FASTER, MORE, TOGETHER = ("meshes", "patches", "ball", "shaft section", "screw", "nut"), 1.7, 0.7, 160
 
 PATCHES_ALONE = 0.68

@@ -301,8 +301,10 @@ def _create_patch_mesh(
     """Create the record of a patch from its mesh and the data of its nodes, and name the boundaries of the mesh.
 
     A face belongs to the surface, the contact or the interface if all its corners do. ``xi``: local coordinates of the
-    nodes (n, 3); ``top``: whether each node lies on the surface (n,); the other arguments are the remaining fields of
-    `PatchMesh`, in their order.
+    nodes (n, 3); ``top``: whether each node lies on the surface (n,); ``contact``: nodes of the contact zone (c,);
+    ``shape``: numbers of these nodes across and along the groove, or None; ``rim``: whether each of them is one of the
+    outermost (c,); ``interface``: nodes of the interface; ``tie``: weights that interpolate these from the k nodes of the
+    refinement box; ``socket``: points of the box's nodes (k, 3) [m].
     """
     outer = mesh.boundary_facets()
     corners = mesh.facets[:, outer]

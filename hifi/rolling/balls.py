@@ -44,10 +44,10 @@ from rollbench.hifi.rolling.patch import (
 )
 from rollbench.meshes.arrays import Array
 
-#: Ratio of the tangential compliance of nearly rigid bodies to that of the true bodies.
+#: Ratio of the tangential compliance of nearly rigid bodies to that of the elastic ones.
 NEARLY_RIGID = 0.01
 
-#: Contact forces below this share of a ball's largest one count as zero.
+#: Contact forces below this share of a ball's largest contact force count as zero.
 NEGLIGIBLE = 1e-9
 
 #: Points of the quadrature along each axis of the contact ellipse of rigid bodies: of the first solution, which gives
@@ -65,7 +65,7 @@ class RollingSettings:
     elastic_factor: float = 1.0
     #: Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     curved_contacts: bool = True
-    #: Meshes of finite bodies; None: half-spaces.
+    #: Mesh settings of finite bodies; None: half-spaces.
     finite_bodies: Sizes | None = None
 
 
@@ -207,7 +207,7 @@ def finite_body_kernel_at_contact(
     touch : kinematics.GrooveContact
         The contact.
     bodies : Sizes | None
-        Meshes of finite bodies; None: half-spaces.
+        Mesh settings of finite bodies; None: half-spaces.
 
     Returns
     -------
@@ -238,7 +238,7 @@ def cache_kernels_of_scenes(scenes: Sequence[kinematics.RollingBalls], bodies: S
     scenes : Sequence[kinematics.RollingBalls]
         Rolling balls of each scene.
     bodies : Sizes | None
-        Meshes of finite bodies; None: half-spaces, for which nothing is computed.
+        Mesh settings of finite bodies; None: half-spaces, for which nothing is computed.
     processes : int
         Number of processes.
 
@@ -627,8 +627,8 @@ def solve_rigid_rolling(
     curved : bool, default True
         Whether contacts lie on the curved surface that ball and groove share; otherwise they lie on its tangent plane.
     bodies : Sizes | None, default None
-        Meshes of finite bodies; None: half-spaces. The relative radii at each contact are replaced by those with which
-        half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_half_space_radii`).
+        Mesh settings of finite bodies; None: half-spaces. The relative radii at each contact are replaced by those with
+        which half-spaces have an equivalent contact (`hifi.rolling.patch.equivalent_half_space_radii`).
 
     Returns
     -------

@@ -781,7 +781,7 @@ def _kernel_calls(at: ContactGeometry, load: float, young: float, poisson: float
     """List the function calls that compute the compliance kernels of ball and groove at one contact.
 
     These are two calls for a whole ball and a grooved bar, or one call for the patches of both. ``at``: position of the
-    contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
+    contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
     zone, common = (
         at.contact_zone(load, young, poisson, sizes),
@@ -813,7 +813,7 @@ def _sum_kernels_of_contact(
 ) -> ComplianceKernel:
     """Compute the compliance kernel of one contact: the sum of those of its ball and its groove.
 
-    ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: meshes of the bodies.
+    ``at``: position of the contact; ``load``: contact load [N]; ``sizes``: mesh settings of the bodies.
     """
     kernels = [call() for call in _kernel_calls(at, load, young, poisson, sizes)]
     first, second = kernels if len(kernels) == 2 else kernels[0]

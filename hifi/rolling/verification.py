@@ -477,7 +477,8 @@ def compare_with_mindlin(cells: int, share: float, finite_balls: Sizes | None = 
 def kernel_of_two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> ComplianceKernel:
     """Compute the contact compliance of two equal touching balls less that of half-spaces (their kernel).
 
-    ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: meshes of the balls.
+    ``radius``: radius of the balls [m]; ``semi``: radius of the circular contact [m]; ``sizes``: mesh settings of the
+    balls.
     """
     zone = ContactZone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     ball = compliance_kernel_of_ball(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)

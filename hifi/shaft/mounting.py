@@ -3,7 +3,7 @@
 A stretch is fixed at its base section and loaded at the modes m of its contact patches and at ports p (its other end, and
 the supports and loads inside): u_x = F_xm f_m + F_xp f_p + B_x u_base, with the flexibility F of the stretch and its
 motions B by unit motions of the base. K is the beams' stiffness, and S_p and S_base select the degrees of freedom of
-the nodes to which ports and base are joined. With L = S_p - S_base B_p^T, the nodes move by
+the nodes to which ports and base are joined. With L = S_p - S_base B_p^T, loads P on the nodes move them by U:
 
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
@@ -128,7 +128,7 @@ def subtract_cut_end_flexibility(
     Parameters
     ----------
     stretch : MeshedShaftPart
-        The stretch.
+        The part of the shaft that is meshed in 3D.
     cut : (6, 6) Array
         Flexibility E that one cut end adds to a beam [m/N, 1/N, 1/(N m)], of `hifi.shaft.section`.
     m : GrooveMap
@@ -168,7 +168,7 @@ def correct_beam_stiffness(
     Parameters
     ----------
     stretch : MeshedShaftPart
-        The stretch.
+        The part of the shaft that is meshed in 3D.
     modes_by_rigid_motions : (c, k, 6) Array
         Displacements of the k modes of each of the c contacts by unit rigid motions of the shaft about the contact's axial
         position.
@@ -208,7 +208,7 @@ def support_shaft_part(stretch: MeshedShaftPart, scene: Scene, section: ShaftSec
     Parameters
     ----------
     stretch : MeshedShaftPart
-        The stretch.
+        The part of the shaft that is meshed in 3D.
     scene : Scene
         Supports and loads.
     section : ShaftSection
@@ -239,7 +239,7 @@ def join_and_support_shaft_parts(
     Parameters
     ----------
     stretches : Sequence[MeshedShaftPart]
-        Stretches of the shaft, from left to right.
+        Parts of the shaft that are meshed in 3D, from left to right.
     frame : ShaftSupports
         Supports, loads and housings.
     section_at : Callable[[float], ShaftSection]
