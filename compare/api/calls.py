@@ -505,7 +505,8 @@ def compare_models(
     Raises
     ------
     rollbench.InputError
-        If scene, model or reference cannot be used; the subclass ``Refusal`` if no run of the 3D reference converged.
+        If scene, model or reference cannot be used; the subclass ``SceneNotCoveredError`` if no run of the 3D reference
+        converged.
 
     Examples
     --------
@@ -659,7 +660,7 @@ def mesh_study(
     Raises
     ------
     rollbench.InputError
-        If the scene cannot be used; the subclass ``Refusal`` if no run converged.
+        If the scene cannot be used; the subclass ``SceneNotCoveredError`` if no run converged.
 
     Examples
     --------

@@ -43,7 +43,7 @@ def sphere_on_flat_by_program_and_formula(scene: Scene, force: float) -> list[tu
 
     Returns
     -------
-    list of tuple
+    list[tuple[str, str, float, float]]
         Name, unit, value by rollbench and value in closed form, for approach, contact radius and largest pressure.
     """
     m = scene.balls.material
@@ -84,11 +84,13 @@ def rigid_screw_load_by_solver_and_formula(scene: Scene) -> tuple[float, float]:
     pair = float(constants[0] + constants[3])
 
     def ball(s: float) -> tuple[float, float]:
+        """Return the load of a ball [N], and the axial part of its direction, at an axial displacement s [m]."""
         x, z = d * cos(beta), d * sin(beta) + s * cos(alpha)
         size = hypot(x, z)
         return ((size - d) / pair) ** 1.5, z / size * cos(alpha)
 
     def excess(s: float) -> float:
+        """Return by how much the axial force of all balls exceeds the load [N] at an axial displacement s [m]."""
         load, share = ball(s)
         return scene.ball_count * load * share - force
 
@@ -152,11 +154,13 @@ def oversize_preload_by_solver_and_formula(scene: Scene, oversize: float) -> tup
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 
     def contact(x: float, d: float, sign: float, c: float) -> tuple[float, float]:
+        """Return the contact load [N], and the radial part of its direction, at a radial displacement x of the ball [m]."""
         reach = d * cos(beta) + sign * x
         size = hypot(reach, d * sin(beta))
         return ((oversize + size - d) / c) ** 1.5, reach / size
 
     def excess(x: float) -> float:
+        """Return the difference of the radial forces of a screw and a nut contact [N] at a radial displacement x [m]."""
         fs, cs = contact(x, screw, -1.0, float(constants[0]))
         fn, cn = contact(x, nut, 1.0, float(constants[3]))
         return fs * cs - fn * cn
@@ -184,7 +188,7 @@ class GateCheck:
 
     #: Name of the checked quantity.
     name: str
-    #: Kind of the reference: printed value, closed form, 3D reference and so on.
+    #: Kind of the reference: value printed in a publication, closed form, 3D reference and so on.
     kind: str
     #: Computed value.
     value: float | None

@@ -48,7 +48,7 @@ class JudgedQuantity:
     name: str
     #: Ratio of the default error limit of this quantity to that of the contact loads.
     default_limit_ratio: float = 1.0
-    #: Default error limit in the unit of the quantity; None: ``times`` the error limit of the contact loads [%].
+    #: Default error limit in the unit of the quantity; None: ``default_limit_ratio`` times that of the contact loads [%].
     default_limit: float | None = None
 
     @property
@@ -128,9 +128,10 @@ def error_limit_of(quantity: JudgedQuantity, stated_limits: Mapping[str, float],
 
 
 def hertz_approach_or_pressure(scene: Scene, quantity: JudgedQuantity, load: Array) -> Array:
-    """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts from their loads by Hertz, (n, 4).
+    """Compute the elastic approach [m] or the largest pressure [Pa] of all contacts from their loads by Hertz's theory.
 
-    ``quantity``: which of the two: `PRESSURE`, or any other for the approach; ``load``: contact loads (n, 4) [N].
+    ``quantity``: `PRESSURE` for the pressure, any other for the approach; ``load``: contact loads (n, 4) [N]. The result
+    has the shape of the loads.
     """
     h = hertz_of_every_contact(scene, draw_geometry_with_errors(scene, ball_layout(scene)))
     return h.pressure(load) if quantity is PRESSURE else np.asarray(h.C * np.cbrt(load) ** 2)
@@ -154,7 +155,7 @@ def uncertainty_from_loads(
 
     Returns
     -------
-    Array, float or None
+    Array | float | None
         Larger of the two changes of the quantity; None if the quantity has no value.
     """
     bars = np.where(load > 0.0, uncertainty, 0.0)
@@ -238,13 +239,13 @@ class WholeScrewEvaluation:
     def reason_without_value(self, quantity: JudgedQuantity, ref: Reference) -> str:
         """Return the reason why the reference ``ref`` gives no value of a quantity of the whole screw."""
         if quantity is TORQUE:
-            return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds none"
+            return "the scene has no [friction]" if self.scene.friction is None else "the friction model finds no torque"
         if quantity is LIFE:
             return (
                 results_of_contact_loads(self.scene, ref.load, np.radians(ref.best.angle)).words
                 or "no contact carries load"
             )
-        return f"{ref.label} contains none" if ref.stated else "the screw does not move in the direction of its load"
+        return f"{ref.label} has no value of it" if ref.stated else "the screw does not move in the direction of its load"
 
     def computation_note(self, quantity: JudgedQuantity) -> str:
         """Return a note on how the reference's value of a quantity of the whole screw is computed; may be empty."""
@@ -327,9 +328,9 @@ def read_user_values(path: Path, case: str | None = None) -> tuple[list[UserValu
 
     Returns
     -------
-    list of UserValue
+    list[UserValue]
         Values in the order of the rows.
-    tuple of str
+    tuple[str, ...]
         Column headings of the file that are not known.
 
     Raises

@@ -45,7 +45,7 @@ HEADINGS = (
 
 @dataclass(frozen=True)
 class VerdictFileRow:
-    """Row of a table of verdicts for output files: a verdict on a user's scene, or a check of the built-in scenes."""
+    """Row of the table that output files list: a verdict on a user's scene, or a check of the built-in scenes."""
 
     #: Whether the row counts as passed.
     good: bool
@@ -93,7 +93,7 @@ def number_cell_text(value: float | None, unit: str) -> str:
 
 
 def file_row_of_verdict(v: Verdict) -> VerdictFileRow:
-    """Convert the verdict ``v`` on a user's scene to a row of the table of verdicts for output files."""
+    """Convert the verdict ``v`` on a user's scene to a row of the table that is written to output files."""
     note = "; ".join(filter(None, (v.pair_text.strip(", "), v.detail)))
     numbers = v.error, v.uncertainty, v.limit, v.unit
     return VerdictFileRow(
@@ -102,7 +102,7 @@ def file_row_of_verdict(v: Verdict) -> VerdictFileRow:
 
 
 def file_row_of_check(row: GateCheck) -> VerdictFileRow:
-    """Convert an acceptance check of the built-in scenes to a row of the table of verdicts for output files."""
+    """Convert an acceptance check of the built-in scenes to a row of the table that is written to output files."""
     numbers = (row.error_percent, row.uncertainty_percent, row.limit_percent)
     return VerdictFileRow(row.passed, row.verdict, row.name, "", row.kind, *numbers, note=row.detail)
 
@@ -249,7 +249,7 @@ def write_verdicts(
 
     Returns
     -------
-    list of Path
+    list[Path]
         Paths of the files that were written.
 
     Raises
@@ -360,7 +360,7 @@ def verdict_changes_since_file(path: Path, outcomes: Sequence[VerdictFileRow]) -
 
     Returns
     -------
-    list of VerdictChange
+    list[VerdictChange]
         Earlier and present verdict of each row that changed.
 
     Raises

@@ -90,7 +90,7 @@ def read_reference_file(
     -------
     Reference
         Reference with the loads and uncertainties of the file.
-    tuple of str
+    tuple[str, ...]
         Column headings of the file that are not known.
 
     Raises
@@ -103,7 +103,7 @@ def read_reference_file(
     if left:
         advice = "add the missing rows, with the load 0 for contacts that carry none"
         allowed = "a load of every ball on the flanks SL, SR, NL and NR"
-        raise InputError(str(path), "rows", f"no loads on {', '.join(left)}", allowed, advice)
+        raise InputError(str(path), "rows", f"no rows for {', '.join(left)}", allowed, advice)
     if not given.load.any():
         advice = "check that the file holds the reference loads of this scene"
         raise InputError(str(path), "file", "only loads of 0", "at least one contact load above 0", advice)
@@ -360,7 +360,7 @@ def check_scenes(
 
     Returns
     -------
-    list of Verdict
+    list[Verdict]
         Verdicts on each scene, or on each of its nuts or bearings: one on the largest error of a load, one on the RMS error
         if that has a limit, and one on each further quantity that a file gives or that has a limit.
 
@@ -446,7 +446,7 @@ def _add_scene_and_set_names(verdicts: list[Verdict], one: SceneWithReference) -
 def _add_stored_reference_verdict(
     verdicts: list[Verdict], given: ContactLoadsFromFile, one: SceneWithReference, limits: ErrorLimits, request: GateRequest
 ) -> list[Verdict]:
-    """Return the verdicts, with the stored 3D reference's verdict on the same loads added to the first one's explanation.
+    """Return the verdicts, with the verdict by the stored 3D reference added to the explanation of the first one.
 
     Nothing is added unless ``verdicts`` refer to a user's reference file and a 3D reference is stored, too. ``given``: the
     user's contact loads; ``one``: the nut or bearing with the reference against which it was judged.
@@ -477,7 +477,7 @@ def _verdict_on_user_value(
     one = next(iter(referenced_sets), None)
     if one is None or (one.place_on_shaft is not None and value.quantity is not LIFE):
         limit = error_limit_of(value.quantity, limits.limits_by_quantity, limits.largest_load_error)
-        reason = reason if one is None else "with several sets of balls on one shaft, only the life of each set is judged"
+        reason = reason if one is None else "with several nuts or bearings on one shaft, only the life of each is judged"
         return _not_covered_verdict(scene, request.values_file.name, value.name, limit, reason)
     return _add_scene_and_set_names(
         [judge_given_value(request.values_file.name, value, one.scene, one.reference, limits)], one
@@ -569,7 +569,7 @@ def sets_with_row_filter(scene: Solvable, case: str | None) -> list[tuple[Scene,
     for k, s in enumerate(scene.sets):
         if not isinstance(s.parts, Scene):
             advice = "judge a model instead of a file: rollers have no flanks to which loads could be assigned"
-            raise InputError(scene.name, "sets", s.name, "only sets of balls", advice)
+            raise InputError(scene.name, "sets", s.name, "only nuts and bearings with balls", advice)
         out.append((NutOrBearingOnShaft(scene, k).scene, {**of_case, "set": _names_of_set(scene, k)}))
     return out
 
@@ -603,7 +603,7 @@ def references_from_file(
 
     Returns
     -------
-    list of Referenced
+    list[SceneWithReference]
         Each nut or bearing with its reference.
 
     Raises
@@ -648,7 +648,7 @@ def _check_set_names(scene: Solvable, values: Sequence[UserValue], path: Path) -
     known = [word for k in range(len(scene.sets)) for word in _names_of_set(scene, k)]
     for value in values:
         if value.set not in known:
-            advice = "add a column `set` that names the set of balls of every value"
+            advice = "add a column `set` that names the nut or bearing of every value"
             raise InputError(str(path), "set", value.set or "nothing", ", ".join(known), advice)
 
 
@@ -707,7 +707,7 @@ def limits_for_scene(scene: Solvable, max_error: float | None, others: Mapping[s
 
     Returns
     -------
-    Limits
+    ErrorLimits
         Limits by which the scene is judged.
     """
     if isinstance(scene, Assembly):

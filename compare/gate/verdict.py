@@ -35,7 +35,7 @@ LIMIT = 7.0
 #: Exit code of each verdict, the worst verdict first; of several verdicts the worst determines the exit code.
 CODES: dict[Word, int] = {"fail": 1, "not converged": 1, "undecided": 3, "not covered": 4, "pass": 0}
 
-#: Number of balls that a figure shows on either side of the ball that determines the verdict.
+#: Number of balls that a figure shows before, and after, the ball that determines the verdict.
 NEAR = 6
 
 #: Other units of force, in newtons.
@@ -220,7 +220,7 @@ def verdict_on_error(error: float, uncertainty: float | None, limit: float) -> W
 
     Returns
     -------
-    str
+    Word
         "pass" if abs(error) + uncertainty is within the limit, "fail" if abs(error) - uncertainty exceeds it; otherwise, or
         if the uncertainty is not known, "undecided".
 
@@ -297,7 +297,7 @@ def judge_contact_loads(
 
     Returns
     -------
-    list of Verdict
+    list[Verdict]
         Verdict on the largest error; also one on the RMS error if that has a limit.
     """
     chosen = np.array([side in flanks for side in SIDES])
@@ -353,7 +353,7 @@ def judge_contact_loads(
 def _loads_of_neighbouring_balls(
     load: Array, reference: Reference, at: JudgedContactError
 ) -> tuple[tuple[int, float, float, float], ...]:
-    """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls on either side.
+    """Return the judged and reference loads on the flank of a contact, of up to `NEAR` balls before it and after it.
 
     ``at``: the contact. Each entry is (number of the ball from 1, judged load, reference load, uncertainty of the reference
     load), loads in N.

@@ -176,7 +176,8 @@ def compare_models_with_reference(
     Raises
     ------
     InputError
-        If a model cannot be run; the subclass Refusal if several nuts or bearings on one shaft have no equilibrium.
+        If a model cannot be run; the subclass SceneNotCoveredError if several nuts or bearings on one shaft have no
+        equilibrium.
     """
     answers, expected, starts = [], {}, {}
     for model in models:

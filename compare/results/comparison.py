@@ -297,7 +297,7 @@ def _comparison_of_one_nut_or_bearing(
 ) -> Comparison:
     """Convert the comparison of one nut or bearing with its reference to a `Comparison`.
 
-    ``name``: name of the comparison. ``referenced``: the reference. ``comparison``: the comparison. ``described``: the
+    ``name``: name of the result. ``comparison``: the comparison with the reference ``referenced``. ``described``: the
     scene; None for a load case, or for one of several nuts or bearings.
     """
     found, t = referenced.reference, comparison.uncertainty
@@ -363,7 +363,7 @@ def _model_loads_record(compared_loads: LoadsWithErrors, referenced: SceneWithRe
 def _comparison_json(comparison: NutOrBearingComparison, referenced: SceneWithReference) -> dict[str, Any]:
     """Return the comparison of a single nut or bearing with its reference as a dictionary of JSON values.
 
-    ``comparison``: the comparison. ``referenced``: the reference.
+    ``comparison``: the comparison of the models with ``referenced``, the reference of the nut or bearing.
     """
     found = referenced.reference
     return {
@@ -415,7 +415,7 @@ class ComparisonInput:
 
         Raises
         ------
-        Refusal
+        SceneNotCoveredError
             If a scene has no reference.
         """
         return compare_each_nut_or_bearing(
@@ -447,7 +447,7 @@ def prepare_comparison(
     models
         Models to compare; if empty, all models that suit each scene.
     engine
-        Engine that computes runs of the 3D reference.
+        Settings that determine where runs of the 3D reference are computed.
     step
         Function that is called with each line of progress, such as the errors against the coarsest mesh level while finer
         levels are computed.
@@ -465,7 +465,7 @@ def prepare_comparison(
     Returns
     -------
     ComparisonInput
-        Scenes and references; the method `compare_each_set` of this record computes the comparisons.
+        Scenes and references; the method `compare_each` of this record computes the comparisons.
 
     Raises
     ------
@@ -523,7 +523,7 @@ def unconverged_error(name: str, failed: Sequence[Run]) -> SceneNotCoveredError:
 
     Returns
     -------
-    Refusal
+    SceneNotCoveredError
         Error that names the status of each run of the scene.
     """
     why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
@@ -565,7 +565,7 @@ def compare_each_nut_or_bearing(
 
     Raises
     ------
-    Refusal
+    SceneNotCoveredError
         If a scene has no reference.
     """
     for scene, sets in zip(scenes, references, strict=True):
@@ -599,7 +599,7 @@ def read_user_references(
 
     Returns
     -------
-    list of list of Referenced
+    list[list[SceneWithReference]]
         References of each load case, one for each nut or bearing.
 
     Raises
@@ -646,7 +646,7 @@ def distinct_duty_cycles(cases: Mapping[str, LoadCaseOfDutyCycle]) -> Iterable[D
 
     Returns
     -------
-    iterable of DutyCycle
+    Iterable[DutyCycle]
         The duty cycles, each of them once.
     """
     return {case.duty_cycle.name: case.duty_cycle for case in cases.values()}.values()
@@ -684,7 +684,7 @@ def cycle_summaries_json(cycle: DutyCycle, each: ByCase) -> list[dict[str, Any]]
 
     Returns
     -------
-    list of dict
+    list[dict[str, Any]]
         For each nut or ball bearing: the largest error of the default model, the load case in which it occurs, and the life
         [10^6 revolutions] from the loads of each model and of the reference. The life is None if a load case has no loads.
     """

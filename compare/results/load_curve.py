@@ -25,7 +25,7 @@ from rollbench.meshes.quantity import quantity_field, result_record
 
 #: Default and largest number of points of a curve.
 POINTS, MOST = 21, 1001
-#: Relative change of a load by which the tangent stiffness is computed; share of the largest load that counts as vanishing.
+#: Relative change of a load by which the tangent stiffness is computed; fraction of the largest load that counts as zero.
 STEP, VANISHING = 1e-3, 1e-6
 #: Form of the text that states a range of loads, for error messages.
 FORM = "LOW:HIGH, then :POINTS, :x, :y, :z or an angle across the axis such as :45deg, :STATION or :HOUSING, as needed"
@@ -270,6 +270,7 @@ def compute_load_curve(
 
     @cache
     def state(value: float) -> _SolutionAtLoad:
+        """Solve the scene under one force [N] or load factor."""
         here = loaded(value)
         result = run_model(here, model, options)
         if not result.converged:
@@ -290,6 +291,7 @@ def compute_load_curve(
     lash = None if ends is None else ends[1] - ends[0]
 
     def tangent(value: float) -> float | None:
+        """Return the tangent stiffness [N/m] at a force [N] or load factor; None where the nut is loose."""
         step = STEP * (abs(value) if abs(value) > STEP * top else top)
         moved = state(value + step).displacement - state(value - step).displacement
         stiff = math.nan if not moved else 2.0 * step * unit / moved
@@ -364,6 +366,7 @@ def _load_function_and_direction(
         raise ArgumentError("curve", at if isinstance(at, str) else f"{1e3 * at:g} mm", allowed, advice, scene.name)
 
     def loaded(value: float) -> Scene | Assembly:
+        """Return the scene with a force [N] in place of its own loads."""
         x, y, z = (value * part for part in course.direction)
         bare = with_scaled_loads(scene, 0.0)
         if isinstance(bare, Assembly):
@@ -407,7 +410,8 @@ def _backlash_limits(
 
     The second value is a text, empty if there is a backlash. ``course``: range of loads.
     ``displacement_at``: function that returns the displacement [m] under a load. ``largest_load``: largest absolute load.
-    The end of the backlash is extrapolated from vanishing loads; ends closer than the accuracy of this are made equal.
+    The end of the backlash is extrapolated from vanishing loads; ends closer than the accuracy of the extrapolation are
+    made equal.
     """
     if not course.values[0] < 0.0 < course.values[-1]:
         return None, "all loads have the same sign"

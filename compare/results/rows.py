@@ -231,10 +231,11 @@ def _quantity_row(
     expected_errors: ExpectedModelErrors | None,
     mean_load: float | None,
 ) -> Row | None:
-    """Return the row of one quantity in the table of results; None if the quantity has no value that fits a row.
+    """Return the row of one quantity in the table of results; None if the table cannot show its value.
 
-    ``table``: JSON values of the quantity's group. ``key``: key of its value. ``definition``: its definition.
-    ``expected_errors``: errors to expect; None if they are not known. ``mean_load``: mean contact load [N].
+    Shown are numbers, texts, truth values and ranges of two numbers. ``table``: JSON values of the quantity's group.
+    ``key``: key of its value. ``definition``: its definition. ``expected_errors``: errors to expect; None if they are not
+    known. ``mean_load``: mean contact load [N].
     """
     value = _json_value_at(table, key)
     if value in (None, ..., ""):

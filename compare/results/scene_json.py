@@ -391,7 +391,7 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> PalmgrenLoadTorque:
 def starting_torque_json(set_result: SetResult, answers: NutOrBearingResults) -> dict[str, Any] | None:
     """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction only.
 
-    ``set_result``: solution of the bearing. ``answers``: its parts and its preload.
+    ``set_result``: solution of the bearing. ``answers``: parts and preload of the bearing.
     """
     parts, preload = answers.parts, answers.preload
     one_way = set_result.of.kind == "bearing" and set_result.of.thrust in ("+z", "-z")
@@ -405,8 +405,8 @@ def nut_or_bearing_summary_json(
 ) -> dict[str, Any]:
     """Return the JSON summary of one nut or bearing out of several on a shaft; empty without equilibrium.
 
-    ``set_result``: its solution. ``answers``: results from its contact loads; None: only the loads on each flank are
-    returned. ``motion``: motion whose speed gives the life in hours.
+    ``set_result``: solution of the nut or bearing. ``answers``: results from its contact loads; None: only the loads on
+    each flank are returned. ``motion``: motion whose speed gives the life in hours.
     """
     if not np.isfinite(set_result.loads).all():
         return {}

@@ -131,7 +131,7 @@ class SideBySide(Record):
 
         Returns
         -------
-        tuple of float or None
+        tuple[float | None, ...]
             Difference for each scene [%]; None if a number is missing or that of the first scene is zero.
 
         Examples

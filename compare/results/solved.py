@@ -669,7 +669,8 @@ def _result_of_nut_or_bearing(solved_set: SolvedSet, answers: NutOrBearingResult
 def _ball_positions_and_loads(scene: Scene, result: StaticResult, *, solved: bool) -> Balls:
     """Return positions, loads, angles and pressures of the balls of a nut or bearing.
 
-    ``result``: its solution. ``solved``: whether there is an equilibrium; if not, only the positions are returned.
+    ``result``: solution of the nut or bearing. ``solved``: whether there is an equilibrium; if not, only the positions are
+    returned.
     """
     if not solved:
         return Balls(azimuth=result.azimuth, z=result.z)
@@ -717,7 +718,7 @@ def expected_error_record(model_form: ExpectedModelErrors | None) -> ExpectedErr
 
     Returns
     -------
-    ExpectedError or None
+    ExpectedError | None
         The record; None without an estimate.
     """
     if model_form is None:

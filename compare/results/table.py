@@ -33,7 +33,7 @@ ERROR_OF = {
 
 @result_record
 class TableRow:
-    """Stiffness and other results for one combination of parameter values, in SI units; their errors are in per cent.
+    """Stiffness and other results for one combination of parameter values, in SI units; expected errors are in per cent.
 
     A field is None if the user did not ask for it, or if there is no equilibrium.
     """

@@ -100,7 +100,7 @@ class Verdict(Record):
     not_judged: tuple[str, ...]
     """Quantities that are not judged, because the user's file or the reference does not contain them."""
     judged: tuple[gate.Verdict, ...]
-    """Records of the gate with further details, one for each row."""
+    """Records of the judgement with further details, one for each row."""
     described: tuple[Described, ...]
     """The judged scenes."""
 
@@ -144,7 +144,7 @@ class Verdict(Record):
     def table(self) -> Sequence[Sequence[str]]:
         """Return a row of texts for each quantity that was judged.
 
-        If all rows have the same scene or the same model, its cells are empty; `answer` names both.
+        Cells of the scene are empty if it is the same in all rows, and cells of the model likewise; `answer` names both.
 
         Returns
         -------
@@ -209,7 +209,7 @@ def judge_scenes(
     request
         The user's request: which values are judged, by which limits, against which reference.
     engine
-        Engine that computes runs of the 3D reference.
+        Settings that determine where runs of the 3D reference are computed.
     step
         Function that is called with each line of progress.
 
@@ -230,7 +230,7 @@ def judge_scenes(
 
 
 def _verdict_row(gate_verdict: gate.Verdict) -> VerdictRow:
-    """Convert the gate's verdict on one quantity to a row of the record that `rollbench.check` returns."""
+    """Convert the detailed verdict on one quantity to a row of the record that `rollbench.check` returns."""
     return VerdictRow(
         scene=gate_verdict.scene,
         case=gate_verdict.case,
@@ -270,7 +270,7 @@ def judge_load_cases(
 
     Returns
     -------
-    list of rollbench.compare.gate.verdict.Verdict
+    list[gate.Verdict]
         A record for each quantity, with the name of its load case. Its judgement is "not converged" if the model found no
         equilibrium in that load case.
 

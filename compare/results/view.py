@@ -49,7 +49,7 @@ def collect_view_data(
 
     Returns
     -------
-    View
+    SceneView
         Data of the view.
     """
     each = [_view_data_of_case(name, one, stores, given) for name, one in zip(cases or [""], solved, strict=True)]
@@ -69,8 +69,8 @@ def _view_data_of_case(
 ) -> LoadCaseView:
     """Return the data of one solved load case for the 3D view.
 
-    ``name``: name of the load case. ``one``: its solution. ``stores``: folders with runs of the 3D reference. ``given``:
-    reference of the user that replaces the stored runs; None: no such reference.
+    ``name``: name of the load case. ``one``: solution of the load case. ``stores``: folders with runs of the 3D reference.
+    ``given``: reference of the user that replaces the stored runs; None: no such reference.
     """
     if isinstance(one, SceneSolution):
         known = given or reference_of_scene(one.scene, stores)
@@ -108,8 +108,8 @@ def _view_data_of_ball_row(
 ) -> NutOrBearingView:
     """Return the data of one solved ball nut or ball bearing for the 3D view.
 
-    ``name``, ``kind``: its name, and the text "ball nut" or "bearing". ``position``: its axial position [m]. ``found``: its
-    solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
+    ``name``, ``kind``: name of the nut or bearing, and the text "ball nut" or "bearing". ``position``: its axial position
+    [m]. ``found``: its solution. ``solved``: whether there is an equilibrium. ``reference``: its 3D reference.
     ``expected_load_error``: error to expect of the contact loads [N].
     """
     closer = gap_reduction_by_errors(parts, found.member)
@@ -139,7 +139,8 @@ def gap_reduction_by_errors(scene: Scene, member: int = 0) -> Array:
 
     ``member``: number of the specimen with its random errors. The gap is measured along the nominal contact normal n:
     delta = (r_B - r_B0) - ((c - c_0) n + rho - r_G0), with ball radius r_B, groove centre c, and groove radius rho at the
-    nominal contact angle; nominal values have a 0. The formula is of first order in the errors.
+    nominal contact angle; r_B0, c_0 and r_G0 are the nominal values of ball radius, groove centre and groove radius. The
+    formula is of first order in the errors.
     """
     drawn, beta = draw_geometry_with_errors(scene, ball_layout(scene), member), scene.track.contact_angle
     normal = np.array(SIDE_SIGNS) * np.array([np.cos(beta), np.sin(beta)])

@@ -71,7 +71,7 @@ FAULTY = [
     ((), {}, ("2,NR", "2,NX"), "SL, SR, NL, NR"),
     ((), {}, ("newton", "uncertainty_N"), "a column newton"),
     (("# uncertainty: 1 N",), {"column": "uncertainty_N", "each": 1.0}, ("", ""), "one column or one note"),
-    ((), {}, (r"\d,NL,.*\n", ""), "no loads on NL"),
+    ((), {}, (r"\d,NL,.*\n", ""), "no rows for NL"),
 ]
 
 
