@@ -227,7 +227,7 @@ def _page_of_load_case(
         collect_view_data(scene.title, [one], data, (), stores, given),
         table=results_table(
             solution_rows(one),
-            f"Results by the model {DEFAULT}, with the expected error of each",
+            f"Results by the model {DEFAULT}, each with its expected error",
             expected_error_sentence(worth),
         ),
     )

@@ -161,8 +161,8 @@ def error_and_run_time_items(
     title = (
         "Contact-load errors of models and 3D mesh levels over processor time, on randomly drawn screws"
         if coarse is None
-        else "Contact loads on mesh levels 1 and 2 of the 3D reference differ by at most "
-        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} % (median of the drawn screws); level 1 takes "
+        else "Largest difference of a contact load between mesh levels 1 and 2 of the 3D reference: "
+        f"{_percentile_or_none(coarse.gate_errors, 50):.2f} % in the median of the drawn screws; level 1 takes "
         f"{_percentile_or_none(coarse.first_case_seconds, 50):.0f} s per screw"
     )
     counts = {s.reference_level: s.first_case_seconds.size for s in timed}
@@ -303,7 +303,7 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
     """Draw the histogram of the largest contact-load errors, and these errors over the distance of a ball from a nut face.
 
     ``screw_records``: stored results of the randomly drawn screws, with one largest error per screw and model. The distance
-    is that of the outermost ball.
+    is measured from the outermost ball.
     """
     found = {model: errors for model in MODELS if (errors := _nut_face_distances_and_errors(screw_records, model)).size}
     every = np.concatenate([errors[:, 1] for errors in found.values()])
@@ -323,7 +323,8 @@ def random_screw_error_figure(screw_records: Sequence[Mapping[str, Any]]) -> Fig
     )
     near = "; ".join(f"{name}: {_median_errors_near_faces_text(errors)}" for name, errors in found.items())
     title = (
-        f"Median contact-load error with the outermost ball up to, and beyond, {NEAR:g} ball radii from a nut face: {near}"
+        f"Median largest contact-load error of screws with a ball closer than {NEAR:g} ball radii to a nut face, and of "
+        f"the other screws: {near}"
     )
     return Figure(
         "survey",

@@ -417,7 +417,7 @@ def modelling_uncertainty_table(cache: SceneResultCache) -> Table | None:
 #: Replacements of the 3D screw, and of all 3D bodies, in runs that leave out an effect.
 BEAM = "the screw is a Timoshenko beam with homogenised section, with the local response of each contact"
 RIGID = "the nut is rigid, the screw a beam, the ball rigid, each with the local response of each contact"
-#: Effects of the 3D reference that runs leave out: what then replaces each, and the set-up stages that it needs.
+#: Effects that runs of the 3D reference leave out, each with its replacement and the set-up stages that are then saved.
 INGREDIENTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "elastic nut": ("the nut is rigid except for the local response of each contact", ("nut",)),
     "3D shaft": (BEAM, ("screw",)),
