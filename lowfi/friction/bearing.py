@@ -331,7 +331,7 @@ class BallRow:
 class BearingCase:
     """Ball bearing with a rotating, loaded inner ring and a fixed outer ring: rows, clearance and load."""
 
-    #: Grooves of the bearing, given as a screw with zero lead.
+    #: Grooves of the bearing, described as those of a screw with zero lead.
     groove: ScrewGroove
     #: Number of balls in a row.
     count: int

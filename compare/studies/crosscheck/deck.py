@@ -174,10 +174,9 @@ def ball_contact_faces(
 
 
 def _outer_faces_with_corners(mesh: ExportedBodyMesh, nodes: Index) -> Index:
-    """Return the outer mesh faces whose corner nodes are all among the given nodes, each by its node numbers.
+    """Return the outer mesh faces whose corner nodes all belong to ``nodes``, each face by its node numbers.
 
-    Faces in the cut plane of a half body are left out. ``nodes``: numbers of the given nodes. Raises ValueError if no
-    face remains.
+    Faces in the cut plane of a half body are left out. ``nodes``: node numbers. Raises ValueError if no face remains.
     """
     faces = surface_faces(mesh.cells)
     within = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, mesh.nodes_of_boundaries.get("cut", [])).all(axis=1)]

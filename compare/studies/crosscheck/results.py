@@ -91,7 +91,7 @@ class CalculixRun:
     correction: float
     #: Processor time [s].
     seconds: float
-    #: Date of the run.
+    #: Date of the solution.
     date: str
     #: Version of the program.
     program: str
@@ -221,7 +221,7 @@ class LoadExtrapolation:
     element_size_effect: Array
     #: Effect of the finite contact stiffness in the run nearest to the limit, (n, 4) [N].
     contact_stiffness_effect: Array
-    #: Names of mesh sizes and contact options that no run varies.
+    #: Names of those mesh sizes and contact options that are the same in all solutions.
     unvaried_options: tuple[str, ...]
 
 

@@ -52,7 +52,7 @@ from rollbench.meshes.parts import SIDES, Scene
 #: Name of the files of deck and results in their folder.
 NAME = "deck"
 
-#: Longest time that a run of CalculiX may take [s].
+#: Longest time that CalculiX may take for one deck [s].
 LONGEST = 7200.0
 
 #: Components of a vector along x, y, z.
@@ -65,7 +65,7 @@ class CalculixResult:
 
     #: Resultant contact force on the ball, by the name of the ball's faces [N].
     forces: dict[str, Triple]
-    #: Displacements of the printed nodes, by node set and node, in the unit of the deck.
+    #: Displacements of those nodes for which the deck requests output, by node set and node, in the unit of the deck.
     node_displacements: dict[str, dict[int, Triple]]
     #: Number of iterations.
     iterations: int
@@ -73,7 +73,7 @@ class CalculixResult:
     correction: float
     #: Processor time [s].
     seconds: float
-    #: Date of the run.
+    #: Date of the solution.
     date: str
     #: Version of CalculiX.
     version: str
@@ -355,7 +355,7 @@ class NutComplianceComparison:
     ours: list[list[float]]
     #: Compliances by CalculiX [m/N].
     theirs: list[list[float]]
-    #: Date of the run.
+    #: Date of the solution.
     date: str
     #: Version of CalculiX.
     program: str

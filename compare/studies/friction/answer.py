@@ -253,7 +253,7 @@ def zero_if_round_off(difference: float, magnitude: float) -> float:
 def power_balance_json(power: float, loss: float) -> dict[str, Any]:
     """Return input power, friction loss and their difference as JSON.
 
-    ``power``: input power [W]; ``loss``: friction loss [W]. A difference within round-off is given as zero.
+    ``power``: input power [W]; ``loss``: friction loss [W]. The JSON value of a difference within round-off is zero.
     """
     left = zero_if_round_off(power - loss, loss)
     return {"input_power_W": json_number(power), "loss_W": json_number(loss), "balance_W": json_number(left)}
@@ -509,7 +509,7 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
 
 
 def without_pressure_and_size(warnings: Sequence[ResultWarning]) -> list[ResultWarning]:
-    """Return the given warnings except those on contact pressure and on contact size.
+    """Return those of several warnings that concern neither contact pressure nor contact size.
 
     Pressure and size are checked again after the friction is computed, because friction changes the contact loads.
     """

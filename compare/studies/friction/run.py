@@ -52,7 +52,7 @@ QUANTITIES = {
     "mean": "its mean",
     "largest": "its largest value",
     "least": "its least value",
-    "share": "the largest share by ball-to-ball contact",
+    "share": "the largest ratio of ball-to-ball to groove torque",
 }
 
 
@@ -130,12 +130,12 @@ def simulation_with_status(history: TravelHistory, error: TimeStepErrors | None,
     """
     status = history.status
     if history.good and error is None:
-        status = "not converged in the step: the error of fewer than 4 steps is not known; take more steps"
+        status = "not converged in the time step: the error of fewer than 4 steps is not known; take more steps"
     elif error is not None and not error.is_within(time.goal):
         name = max(error.errors_by_quantity, key=lambda name: error.errors_by_quantity[name].error)
-        unseen = " (no order seen)" * error.errors_by_quantity[name].no_order_observed
+        unseen = " (no order of convergence observed)" * error.errors_by_quantity[name].no_order_observed
         status = (
-            f"not converged in the step: the error of {error.step_counts[-1]} steps is some "
+            f"not converged in the time step: the error of {error.step_counts[-1]} steps is some "
             f"{100.0 * error.largest_error:.2g} % of the "
             f"mean torque in {QUANTITIES[name]}{unseen}, more than the goal of {100.0 * time.goal:g} %: "
             f"{'take more steps' if time.steps else 'shorten the run'}"
@@ -328,8 +328,8 @@ def lines_on_simulation(run: TransientRun) -> list[Line]:
         order = e.errors_by_quantity["torque"].order
         seen = "no order observed" if math.isnan(order) else f"order {order:.2g} observed"
         text = (
-            f"error of the steps, as a part of the mean torque: {size}; from {', '.join(str(n) for n in e.step_counts)} "
-            "steps "
+            f"error of the time steps, as a part of the mean torque: {size}; from "
+            f"{', '.join(str(n) for n in e.step_counts)} steps "
             f"({seen}); goal {100.0 * run.allowed_error:g} %"
         )
         lines.append(("steps", text))

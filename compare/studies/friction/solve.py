@@ -340,7 +340,8 @@ def _summed_powers(solved: SolvedSets) -> dict[str, Any]:
     """Return input power, losses and further powers [W], summed over nuts and ball bearings of a shaft, and the efficiency.
 
     Powers are input power and friction loss of the contacts, power of the driving torque, and power of the axial loads.
-    The efficiency is None unless the torque moves the load, or the load drives the torque. All are JSON values.
+    The efficiency is None unless the torque moves the load, or the load drives the torque. The powers and the
+    efficiency are JSON values.
     """
     torques = [x.friction_sums for _, _, x in solved]
     turning = float(np.sum([t.driving_torque_on_screw * t.speed for t in torques]))
@@ -416,6 +417,7 @@ def solve_friction_of_duty_cycle(cycle: DutyCycle, choices: FrictionChoices) -> 
         lines += [("", ""), ("case", f"{case.name}, share {case.share:.4g}: {one.data['status']}"), *one.lines]
 
     def entries_of_all_cases(key: str) -> list[Any]:
+        """Return the different entries of the list ``key`` in the JSON values of all load cases."""
         return list(dict.fromkeys(line for _, one in each for line in one.data.get(key, ())))
 
     data: dict[str, Any] = {

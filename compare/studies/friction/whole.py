@@ -220,6 +220,7 @@ def with_scaled_errors(scene: Scene, factor: float) -> Scene:
     """
 
     def scaled_errors(side: SideErrors) -> SideErrors:
+        """Return the errors of the screw's or the nut's groove, multiplied by the factor."""
         pitch, roundness = (
             tuple(replace(t, sin=factor * t.sin, cos=factor * t.cos, sigma=factor * t.sigma) for t in terms)
             for terms in (side.pitch, side.roundness)
@@ -286,20 +287,21 @@ def line_on_ball_to_ball_contact(onset: FrictionOnset, turns: str, errors: bool)
     """
 
     def angle_text(value: float | None) -> str:
+        """Return a clause on the rotation [rad] after which balls meet, "never" for None."""
         return "never" if value is None else f"after {format_three_digits(np.degrees(value))} deg of the {turns}"
 
     text = f"neighbours {'touch' if onset.touch else 'do not touch'}"
     if onset.first is None:
-        text += ": none close in"
+        text += ": none approach each other"
     else:
         text += (
-            f": {onset.closing} of {onset.pairs} pairs close in, balls {onset.ball} and the next meet "
+            f": {onset.closing} of {onset.pairs} pairs approach each other, balls {onset.ball} and the next meet "
             f"{angle_text(onset.first)}"
         )
-        text += "" if onset.touch else ", when they have left their loaded arc or gone round"
+        text += "" if onset.touch else ", but only after they have left their loaded arc or gone round once"
     if onset.unloaded:
         stand, roll = count_with_noun(onset.unloaded, "unloaded ball"), angle_text(onset.rolling)
-        text += f"; that is where the {stand} stand, {roll} where they roll along"
+        text += f"; this holds if the {stand} stand still, {roll} if they roll along"
     if errors:
         from_on = (
             "not up to 16 times the scene's errors"
@@ -432,8 +434,8 @@ def solve_friction_of_screw_or_bearing(
         ) from error
     if states[0].all_balanced and monotonic() - begin > FIRST:
         say(
-            f"friction torque {format_three_digits(1e3 * states[0].friction_sums.friction_torque)} N mm; drag and band "
-            "follow"
+            f"friction torque {format_three_digits(1e3 * states[0].friction_sums.friction_torque)} N mm; drag "
+            "torque and range of torques follow"
         )
     bare = result if not has_loads(scene) else run_model(replace(scene, loads=()), model, options)
     drags = drag_torques(scene, states, pairs, bare, options)
@@ -547,7 +549,7 @@ def friction_status(state: FrictionState) -> str:
     if state.unsettled_balls:
         numbers = ", ".join(str(k + 1) for k in state.unsettled_balls[:8])
         return (
-            f"friction and place do not agree on {count_with_noun(len(state.unsettled_balls), 'ball')}: {numbers}; see "
+            f"friction and position do not agree on {count_with_noun(len(state.unsettled_balls), 'ball')}: {numbers}; see "
             "feedback "
             "= false"
         )

@@ -150,7 +150,7 @@ def _loads_at_given_angles(scene: LinearBearingScene, normals: Array, rho: float
 def _loads_with_elastic_angles(
     scene: LinearBearingScene, layout: BallLayoutOnTrack, material: RollingMaterial, normals: Array, rho: float
 ) -> tuple[Array, Array]:
-    """Return contact normals (4, 2) and loads (4,) [N] of one ball of a linear bearing; contact angles follow the loads.
+    """Return contact normals (4, 2), then loads (4,) [N], of one ball of a linear bearing; contact angles follow the loads.
 
     ``layout``: geometry of the balls; ``normals``: contact normals without load (4, 2); ``rho``: side force over
     vertical force.
@@ -174,15 +174,15 @@ def _loads_with_elastic_angles(
 def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
     """Return two balls of a ball screw as input of the 3D model of rolling.
 
-    ``choices``: grid of the contacts. Raises SceneNotCoveredError for features that the model does not have: printed
-    Hertz constants, friction that moves the screw, and a groove at rest.
+    ``choices``: grid of the contacts. Raises SceneNotCoveredError for features that the model does not have: Hertz
+    constants as printed in Lin's thesis, friction that moves the screw, and a groove at rest.
     """
     pair, g = scene.pair, scene.pair.groove
     if g.hertz != "right":
         _refuse_scene(
             scene,
             "ingredients.hertz",
-            "the 3D model of rolling cannot use printed Hertz constants",
+            "the 3D model of rolling cannot use the Hertz constants printed in Lin's thesis",
             'take hertz = "nominal"',
         )
     if pair.coupling == "ball and screw":
@@ -230,7 +230,7 @@ def _screw_case(scene: ScrewPairScene, choices: RollingSettings) -> RollingCase:
             loads = solve_static_problem(cell)
             good = loads.converged
         if not good:
-            _refuse_scene(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
+            _refuse_scene(scene, "load", "no 3D contact loads balance friction", 'take coupling = "none"')
         scenes.append(create_rolling_balls(layout, material, loads.normal, loads.force))
     return RollingCase(
         scene.name,

@@ -1,4 +1,4 @@
-"""Rolling balls: low-order models compared with the 3D model and with printed values, and the acceptance check.
+"""Rolling balls: low-order models compared with the 3D model and with values of Lin's thesis, and the acceptance check.
 
 This module also computes how ball-to-ball forces change with numerical choices and how they develop from rest, and the
 rows of ``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls. 3D results are read from a
@@ -73,9 +73,9 @@ def solve_low_order(scene: FrictionScene) -> tuple[dict[str, float], float, str]
 
 
 def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float], str]:
-    """Solve the balls of a linear bearing by the low-order model; return values and status.
+    """Solve the balls of a linear bearing by the low-order model; return first values, then the status.
 
-    Values have names that end in the unit, such as "force 1-2 N".
+    The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
     """
     angles, force, _ = linear_bearing_loads(scene)
     apart, near = (
@@ -91,9 +91,9 @@ def _linear_bearing_values(scene: LinearBearingScene) -> tuple[dict[str, float],
 
 
 def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
-    """Solve two balls of a screw by the low-order model; return values and status.
+    """Solve two balls of a screw by the low-order model; return first values, then the status.
 
-    Values have names that end in the unit, such as "force 1-2 N".
+    The values are in a dictionary by names that end in the unit, such as "force 1-2 N".
     """
     found = solve_pair_of_screw_balls(scene.pair)
     apart, near = found.apart.motion, found.touching.motion
@@ -105,9 +105,9 @@ def _screw_pair_values(scene: ScrewPairScene) -> tuple[dict[str, float], str]:
 
 
 def _bearing_ball_values(scene: BearingBallScene) -> tuple[dict[str, float], str]:
-    """Solve one ball of a rotary bearing by the low-order model; return values and status.
+    """Solve one ball of a rotary bearing by the low-order model; return first values, then the status.
 
-    Values have names that end in the unit, such as "torque N mm".
+    The values are in a dictionary by names that end in the unit, such as "torque N mm".
     """
     found = solve_ball_of_bearing(scene.bearing, scene.force, scene.displacement)
     q, loss = found.motion.unknown_velocities, found.motion.friction.loss
@@ -156,7 +156,7 @@ KNOWN = {
 
 @dataclass(frozen=True)
 class RollingComparisonRow:
-    """One quantity of one scene of rolling balls: by the low-order model, by the 3D model of rolling, and as printed."""
+    """One quantity of a scene of rolling balls: by the low-order model, by the 3D model, and as printed in Lin's thesis."""
 
     #: Name of the scene.
     scene: str

@@ -300,7 +300,7 @@ def forces_speeds_and_losses_by_name(
 
 
 def _loaded_contacts(scene: RollingBalls) -> list[int]:
-    """Return the indices of the loaded contacts of the first ball of a system of rolling balls."""
+    """Return the indices of the loaded contacts of the first ball in a system of rolling balls."""
     return [k for k, t in enumerate(scene.balls[0].groove_contacts) if t.contact_force > 0.0]
 
 

@@ -705,8 +705,8 @@ def chain_motions_from_random_starts(
 ) -> Iterator[BallMotionsByLin]:
     """Yield motions of an open chain of balls of a screw by Lin's method, from nominal rolling and then from random starts.
 
-    The contact loads are given. Only neighbours without a gap count as near enough to touch: if a gap closes within a time
-    step, the balls come into contact in the method of rollbench, but overlap in Lin's.
+    The contact loads are known. Only neighbours without a gap count as near enough to touch: if a gap closes within a
+    time step, the balls come into contact in the method of rollbench, but overlap in Lin's.
 
     Parameters
     ----------

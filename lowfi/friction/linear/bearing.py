@@ -111,7 +111,7 @@ def contact_directions(angles: Array) -> Array:
 
 
 def contact_semi_axes(bearing: LinearBearing, loads: Array) -> tuple[Array, Array]:
-    """Return the semi-axes a and b, a >= b, of contact ellipses under given loads [m], each in the shape of the loads.
+    """Return semi-axes a, then b <= a, of contact ellipses under given loads [m], each array in the shape of the loads.
 
     Parameters
     ----------

@@ -201,10 +201,10 @@ def contact_friction_constants(bearing: LinearBearing) -> Array:
     """Return the constants (b/a, q0, k1, k3) of formulas for the friction of the bearing's contacts ``(4,)``.
 
     b/a is the ratio of the semi-axes of the contact ellipse. Consider a contact with load F and coefficient of friction
-    1 that turns about a point on its semi-axis a, at the distance c = t a from the centre. Its friction force is f = F
-    (k1 t - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3 E(e)/8, with the
-    complete elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with its Hertz
-    constants.
+    1 that turns about a point on its semi-axis a, at the distance c = t a from the centre. The friction force of this
+    contact is f = F (k1 t - k3 t^3), and the moment about the centre M = a F (q0 - k1 t^2/2 + 3 k3 t^4/4). q0 = 3
+    E(e)/8, with the complete elliptic integral E, is that of eq. (3.32) of Lin's thesis. ``bearing``: the bearing with
+    its Hertz constants.
 
     Raises
     ------
@@ -286,7 +286,7 @@ def find_second_equilibrium(
     """Return an equilibrium of a row of balls other than a known one; None if none is found, though one may exist.
 
     The search begins from several states: the end of the path of rising friction between balls, the motion without this
-    friction, and all pairs pressed together. It also begins from the end of the path for higher coefficients of
+    friction, and all pairs pressed together. The search also begins from the end of the path for higher coefficients of
     friction between balls (``RISEN``), and follows that state while the coefficient falls to that of the chain. If
     there are several states, the one with the largest ball-to-ball force is returned. Without friction between balls
     there is only one state.

@@ -681,7 +681,7 @@ def solve_coupled_chain(
     rounds
         Largest number of rounds, in each of which the loads are solved at given friction, then the friction at these loads.
     guess
-        Forces and motions to begin from, in place of those of ``similar_solution``; None: not given.
+        Forces and motions to begin from, in place of those of ``similar_solution``; None to use these.
 
     Returns
     -------

@@ -105,7 +105,7 @@ def kernel_load_arrays(cell: BallsBetweenGrooves) -> BallContactArrays:
 
 
 def _starting_displacements(cell: BallsBetweenGrooves) -> tuple[Array, Array]:
-    """Return displacements at which the search for contact loads starts: of N balls ``(N, 2)``, of the screw ``(m,)`` [m].
+    """Return displacements to start the search for contact loads: of N balls ``(N, 2)``, then of the screw ``(m,)`` [m].
 
     The screw moves along its load by four times the approach under equal loads of all balls, plus the clearance, and
     the balls move half as far. ``cell``: the balls and the load on the screw.
@@ -239,7 +239,7 @@ def power_of_helical_motion(groove: ScrewGroove, normals: Array, wrench: Array) 
 
 
 def contact_ellipses_of_screw(groove: ScrewGroove, force: Array) -> EllipticalContacts:
-    """Return ellipses, loads and coefficients of friction of all contacts of several balls of a screw, as one row ``(n,)``.
+    """Return ellipses, loads and friction coefficients of all n contacts of several balls of a screw, as arrays ``(n,)``.
 
     A contact without load has an ellipse of vanishing size.
 

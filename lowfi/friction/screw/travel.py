@@ -299,7 +299,7 @@ class TravelHistory:
 
     @property
     def turning_and_axial_speed(self) -> tuple[float, float]:
-        """Angular speed of the screw relative to the nut [rad/s], and the speed of its advance along the axis [m/s]."""
+        """Angular speed of the screw relative to the nut [rad/s], then the speed of its axial advance [m/s]."""
         turning = -self.setting.groove.speed
         return turning, self.setting.groove.ratio * turning
 

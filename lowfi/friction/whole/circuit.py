@@ -272,7 +272,7 @@ def solve_motion_on_track(
 ) -> ChainMotion:
     """Return the motion of the balls of one closed track, in order of azimuth, and the forces between them.
 
-    The contact loads are given. Two balls touch each other as two balls of nominal size do; their actual sizes only
+    The contact loads are known. Two balls touch each other as two balls of nominal size do; their actual sizes only
     change the rate at which they may approach each other.
 
     Parameters

@@ -259,8 +259,8 @@ def balls_with_jammed_state(
     """Return the indices of balls for which a second equilibrium is found, in which they are jammed between their grooves.
 
     The search starts from four displaced states, in which the balls are pushed along x3 (radial) or z3 (binormal), in
-    either direction, with ``DISPLACED`` times their largest contact load. It may miss such an equilibrium. ``scene``:
-    the screw; ``positions``, ``static_contacts``: positions and contacts of the balls without friction;
+    either direction, with ``DISPLACED`` times their largest contact load. The search may miss such an equilibrium.
+    ``scene``: the screw; ``positions``, ``static_contacts``: positions and contacts of the balls without friction;
     ``rolling_state``: equilibrium that the balls reach by rolling from there; ``friction``: coefficients of friction;
     ``drive``: motion of the screw or nut that turns; ``fast``: whether to use the compiled functions.
     """

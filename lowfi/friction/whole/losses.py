@@ -210,9 +210,9 @@ def friction_of_motions(
 def relative_coefficients(friction: Friction) -> tuple[Array, float]:
     """Return the ratios of the contacts' coefficients of friction to the largest one ``(4,)``, then the largest one.
 
-    The ratios are in the order SL, SR, NL, NR. They are 1 if all coefficients are zero: the motions depend only on the
-    ratios, so that motions without friction are the limit for equal coefficients that tend to zero. ``friction``:
-    coefficients of friction of screw and nut.
+    The ratios are in the order SL, SR, NL, NR. The ratios are 1 if all coefficients are zero: the motions depend only
+    on the ratios, so that motions without friction are the limit for equal coefficients that tend to zero.
+    ``friction``: coefficients of friction of screw and nut.
     """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())

@@ -220,7 +220,7 @@ class SceneInMotion:
                 )
                 push[on_arc], at = fed.friction_on_balls_and_screw, fed.contacts
                 status = (
-                    f"friction and place do not agree on {int(fed.failed_balls.sum())} balls"
+                    f"friction and position do not agree on {int(fed.failed_balls.sum())} balls"
                     if fed.failed_balls.any()
                     else status
                 )

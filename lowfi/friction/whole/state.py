@@ -125,7 +125,8 @@ class FrictionState:
     #: Torque, axial force and power as in ``friction_sums``, but at the static contact loads, without the effect of
     #: friction on the loads.
     sums_without_feedback: FrictionSums
-    #: Indices of balls for which friction and position could not be made to agree, in the given or in the reversed motion.
+    #: Indices of balls for which friction and position could not be made to agree, in the motion of the scene or in the
+    #: reversed one.
     unsettled_balls: tuple[int, ...]
     #: Largest force out of balance on a ball, as a ratio to the sum of its contact loads
     #: (`FrictionEquilibrium.largest_imbalance_ratio`).

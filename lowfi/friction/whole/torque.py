@@ -54,8 +54,8 @@ class FrictionSums:
     power: float
     #: Axial force of friction on the screw [N], which the contact loads of the static model do not balance.
     axial_friction_on_screw: float
-    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. It contains
-    #: the moments about the axis and the axial forces of all contacts, normal forces included.
+    #: Work per angle [N m] that the drive of the screw, then the drive of the nut, does in a helical motion. This work
+    #: contains the moments about the axis and the axial forces of all contacts, normal forces included.
     helical_work_per_radian: tuple[float, float]
     #: Largest ratio, of all balls, of the friction in the plane of a ball's groove section to its largest contact load.
     cross_groove_friction_ratio: float
@@ -111,7 +111,7 @@ class FrictionSums:
     def efficiency(self) -> tuple[float, float]:
         """Efficiencies, first forward (work on the axial load over work of the torque), then backward.
 
-        The second one is negative if the screw locks itself. Both efficiencies are nan without axial load.
+        The backward efficiency is negative if the screw locks itself. Both efficiencies are nan without axial load.
         """
         if not self.moves_axial_load:
             return float("nan"), float("nan")

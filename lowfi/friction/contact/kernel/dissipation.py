@@ -59,11 +59,11 @@ def _carlson_series_derivative(x: float, y: float, dx: float, dy: float) -> floa
 
 @kernel
 def carlson_rd_and_slope(x: float, y: float, z: float) -> tuple[float, float]:
-    """Return Carlson's elliptic integral R_D(x, y, z) and -(4/3) dR_D/dy, for x >= 0 and y, z > 0.
+    """Return Carlson's elliptic integral R_D(x, y, z), then -(4/3) dR_D/dy, for x >= 0 and y, z > 0.
 
-    The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). It equals (2/3)
-    (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both values come from Carlson's
-    duplication (1995), differentiated in each step.
+    The second value is the integral over t = 0 to infinity of (t+x)^(-1/2) (t+y)^(-3/2) (t+z)^(-3/2). The second value
+    equals (2/3) (R_D(x, z, y) - R_D(x, y, z))/(z - y), but without the cancellation at y = z. Both values come from
+    Carlson's duplication (1995), differentiated in each step.
     """
     dx, dy, dz = 0.0, 1.0, 0.0
     total, d_total, scale = 0.0, 0.0, 1.0
@@ -228,7 +228,7 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
     pressure of the contact force F, mu the coefficient of friction. a >= b > 0: semi-axes along x and z [m]; vx, vz:
     sliding velocity at the centre [m/s]; spin [rad/s]; speed: regularising speed >= 0 [m/s]. The friction force is -mu
     F dD/dv, and the loss is mu F (D - speed dD/dspeed) (Lin 3.14-3.18 at speed = 0). D is convex and homogeneous of
-    degree one in (vx, vz, spin, speed). It is smooth except at rest, where the derivatives are returned as zero.
+    degree one in (vx, vz, spin, speed). D is smooth except at rest, where the derivatives are returned as zero.
     """
     turn = spin * a
     slide = sqrt(vx * vx + vz * vz + speed * speed)

@@ -242,7 +242,8 @@ def contact_speeds(shape: Array, maps: Array, drives: Array, q: Array) -> tuple[
 #: everything rests, because there is neither drive nor force.
 EXACT, REGULARISED, AT_REST = 0, 1, 2
 
-#: Where a search starts: the motion nearest to pure rolling, a given motion, or a given motion near the minimum.
+#: Where a search starts: the motion nearest to pure rolling, the caller's motion, or the caller's motion if it is near the
+#: minimum.
 ROLLING, GIVEN, NEAR = 0, 1, 2
 
 
@@ -330,7 +331,7 @@ def write_sticking_reactions(
 
 @kernel
 def kinematic_inverse_and_null_space(rows: Array, units: Array) -> tuple[Array, Array]:
-    """Return the pseudo-inverse (n, 3k) and the null space (f, n) of the conditions that k contacts of a body stick.
+    """Return the pseudo-inverse (n, 3k), then the null space (f, n), of the conditions that k contacts of a body stick.
 
     rows (3k, n): surface speeds of these contacts per unit of each of the n unknown velocities, divided by its entry of
     ``units`` (`surface_speed_per_unknown`). The rows of the null space are the f motions of the body, in its unknowns,

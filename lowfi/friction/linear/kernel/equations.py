@@ -93,7 +93,7 @@ def regularised_friction(s: float, w: float, shape: Array, eps: float) -> tuple[
 
 @kernel
 def force_and_gap_rate(z: float, smooth: float) -> tuple[float, float, float]:
-    """Return the force between two balls, the opening rate of their gap, and the derivative of the force by z.
+    """Return the force between two balls, the opening rate of their gap, and the derivative of the force by the unknown z.
 
     z: unknown of the contact of the two balls; smooth: product of force and rate, zero for exact complementarity. The
     results satisfy force - rate = z and force times rate = ``smooth``; neither is negative.

@@ -85,8 +85,8 @@ def _write_path_tangent(
 
     s: parameter of the path at the point; eps: regularising speed of friction at the end of the path, divided by the
     carriage's speed; tau (4 N + 1,): tangent of unit length, with four components for each ball and last that of s,
-    which is positive; change (4 N,): derivative of the residual by s. Both are overwritten. ``work`` must contain the
-    equations at the point.
+    which is positive; change (4 N,): derivative of the residual by s. tau and change are overwritten. ``work`` must
+    contain the equations at the point.
     """
     K, factors, g, _, other = work
     write_chain_equations(chain, point, smoothing_on_solution_path(s + DIFFERENCE, eps), factors, other)
