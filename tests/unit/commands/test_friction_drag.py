@@ -42,7 +42,7 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     monkeypatch.setattr("scipy.optimize.root", lambda _, start, **__: SimpleNamespace(x=start))
     found = answer(mine())
     assert not found.converged
-    assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
+    assert found.data["status"].startswith("friction and position do not agree on 20 balls: 1, 2")
     assert "feedback = false" in found.data["status"]
     assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
     assert found.data["feedback"]["unsettled_balls"] == 20

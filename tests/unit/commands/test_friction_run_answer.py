@@ -69,10 +69,10 @@ def test_an_error_above_the_goal_or_that_nobody_knows_has_not_converged_in_the_s
         run = simulation_with_status(history, TimeStepErrors(found, (1, 2, 4)), Time(angle=0.2, steps=4))
         assert run.converged is (size < 0.01)
         if not run.converged:
-            assert run.status.startswith("not converged in the step: the error of 4 steps is some ")
+            assert run.status.startswith("not converged in the time step: the error of 4 steps is some ")
             assert run.status.endswith("more than the goal of 1 %: take more steps")
     run = simulation_with_status(simulate(setting(sparse()), 0.02, 3), None, Time(angle=0.2, steps=3))
-    assert run.status.startswith("not converged in the step")
+    assert run.status.startswith("not converged in the time step")
     assert transient_simulation_as_json(run)["step_error_unknown"] == "fewer than 4 steps"
 
 

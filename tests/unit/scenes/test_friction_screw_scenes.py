@@ -138,7 +138,7 @@ def test_a_run_takes_the_keys_of_a_whole_screw_in_time():
     assert found.data["steps"] == error["steps"][-1]
     found = solve_friction_of_single_parts(loaded("lin-screw-run", ("steps = 200", "steps = 4")))
     assert not found.converged
-    assert found.data["status"].startswith("not converged in the step: the error of 4 steps is some ")
+    assert found.data["status"].startswith("not converged in the time step: the error of 4 steps is some ")
 
 
 def test_run_without_contact_says_nothing_of_where_and_without_friction_there_are_no_ratios():
