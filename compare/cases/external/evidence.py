@@ -92,7 +92,7 @@ def assumptions_by_external_case() -> dict[str, tuple[str, ...]]:
 
 
 def shipped_shaft_scene(name: str) -> Assembly:
-    """Return the scene ``external-NAME`` of a shaft with bearing rows or nuts, which is included with rollbench.
+    """Return the scene ``external-NAME``, included with rollbench, of a shaft with bearing rows or nuts.
 
     ``name``: NAME, such as "masta-radial". Raises AssertionError for a scene without such a shaft.
     """
@@ -103,7 +103,7 @@ def shipped_shaft_scene(name: str) -> Assembly:
 
 
 def solve_shaft_and_bearing_row(cache: SceneResultCache, name: str) -> tuple[AxisResult, SetResult]:
-    """Solve the scene ``external-NAME`` of one bearing row between rigid rings by the beam model.
+    """Solve the scene ``external-NAME``, a shaft with one bearing row that has rigid rings, by the beam model.
 
     ``cache``: caches the result, so that each scene is solved once; ``name``: NAME, such as "masta-radial". Returns the
     result of the shaft, then the result of its bearing row.
@@ -113,7 +113,7 @@ def solve_shaft_and_bearing_row(cache: SceneResultCache, name: str) -> tuple[Axi
 
 
 def _solve_shaft_scene(cache: SceneResultCache, name: str) -> AxisResult:  # noqa: ARG001 - kept by the study
-    """Solve the scene ``external-NAME`` by the beam model; raises AssertionError if it does not converge.
+    """Solve the scene ``external-NAME`` by the beam model; raises AssertionError if the solution does not converge.
 
     ``cache``: not used; ``name``: NAME, such as "masta-radial".
     """
@@ -199,10 +199,10 @@ def half_load_zone(findings: ComputedEntryValues, cache: SceneResultCache) -> No
 
 
 def _bearing_of_catalogue_row(case: str, row: Sequence[float], conformity: float) -> BallBearing:
-    """Return the dimensions of a spindle bearing from its row in a maker's catalogue.
+    """Return a spindle bearing with the dimensions of its row in a maker's catalogue.
 
-    ``case``: name of the external case with contact angle and material; ``row``: pitch diameter [mm], ball diameter [mm]
-    and number of balls; ``conformity``: groove radius over ball diameter.
+    ``case``: name of the external case that states contact angle and material; ``row``: pitch diameter [mm], ball diameter
+    [mm] and number of balls; ``conformity``: groove radius over ball diameter.
     """
     d_m, d_w, balls = row[:3]
     angle, young = (
@@ -231,9 +231,10 @@ def gmn_pair_rigidity(name: str, preload_class: str, conformity: float) -> float
 
 
 def gmn_rigidity_growth_over_printed(conformity: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the computed growth of rigidity from light to strong preload divided by the growth that GMN prints, (n,).
+    """Return computed over printed growth of rigidity from light to strong preload, for GMN's n sizes of bearing, (n,).
 
-    There is one ratio for each of the n sizes of bearing; ``conformity``: groove radius over ball diameter.
+    The growth is the rigidity of a preloaded pair at strong preload over that at light preload. ``conformity``: groove
+    radius over ball diameter.
     """
     out = []
     for name in read_external_inputs()["gmn"]["rows"]:
@@ -276,8 +277,8 @@ def gmn_rigidity_rms_error_percent() -> float:
 def snfa_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  # noqa: ARG001 - every table takes the study
     """Compute rigidity, its growth with preload, and lift-off load of a preloaded bearing pair in SNFA's catalogue.
 
-    The catalogue's formulas assume constant contact angles, from which the values "as printed" are computed; in the correct
-    values, the angles change under load. ``findings``: receives both values to compare with each printed number. ``cache``:
+    The values "as printed" follow the catalogue's formulas, which assume constant contact angles; in the correct values,
+    the contact angles change under load. ``findings``: receives both values to compare with each printed number. ``cache``:
     not used here.
     """
     case = read_external_inputs()["snfa"]
@@ -350,11 +351,11 @@ def equivalent_force_of_duty_cycle(case: str) -> float:
 
 
 def equivalent_loads(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
-    """Compute makers' examples of equivalent loads of ball nuts, and ISO 281's factors for those of bearings.
+    """Compute makers' examples of equivalent loads of ball nuts, and ISO 281's load factors of bearings.
 
     The examples are mean forces of duty cycles, and forces and life of both halves of a preloaded nut; the factors are e, X
-    and Y. ``findings``: receives the computed value to compare with each printed
-    number; ``cache``: gives the scenes included with rollbench.
+    and Y. ``findings``: receives the computed value to compare with each printed number; ``cache``: gives the scenes
+    included with rollbench.
     """
     for key, case in EXAMPLES.items():
         findings.add_number(key, equivalent_force_of_duty_cycle(case))
@@ -430,8 +431,8 @@ def sphere_on_plane(findings: ComputedEntryValues, cache: SceneResultCache) -> N
 def _load_radii_and_material(case: str) -> tuple[float, tuple[float, float], float, float]:
     """Return the inputs of the normal contact in an example of the program CONTACT.
 
-    First: load [N]; second: relative radii [m] along and across the rolling direction; third: Young's modulus [Pa];
-    fourth: Poisson's ratio. ``case``: name of the example.
+    First: load [N]; second: relative radii of curvature [m] along and across the rolling direction; third: Young's modulus
+    [Pa]; fourth: Poisson's ratio. ``case``: name of the example.
     """
     poisson, shear = read_external_inputs()[case]["poissons_ratio"], read_external_input(case, "shear_modulus", "pressure")
     radii = (read_external_input(case, "along", "length"), read_external_input(case, "across", "length"))
@@ -582,10 +583,11 @@ def scene_name_of_catalogue_size(size: str) -> str:
 
 
 def nut_rigidities_without_and_with_bodies(scene: Scene, force: float) -> tuple[float, float]:
-    """Return the axial rigidity [N/m] of a nut with equally loaded balls: with rigid, then with elastic nut and screw.
+    """Return two axial rigidities [N/m] of a nut with equally loaded balls: first with rigid, then with elastic bodies.
 
-    Rigid: only the Hertz contacts deform; elastic: nut and screw deform as thick tubes, too. ``scene``: screw and nut;
-    ``force``: axial load [N]. Raises ValueError if nut or screw has no wall thickness.
+    Rigid bodies: only the Hertz contacts deform; elastic bodies: nut and screw deform as thick tubes, too. ``scene``: screw
+    and nut; ``force``: axial load [N]. Raises AssertionError for a bearing, which has no lead, and ValueError if nut or
+    screw has no wall behind its contacts.
     """
     alone, body = displacement_by_contacts_only(scene, force), axial_compliance_of_bodies(scene)
     assert body is not None
@@ -642,7 +644,7 @@ def double_over_single_nut_rigidity(cache: SceneResultCache) -> float:
     moved = preload / nut_rigidities_without_and_with_bodies(scene, preload)[1]
 
     def displacement_error(force: float) -> float:
-        """Return the single nut's displacement [m] at a force [N], less its displacement when the double nut lifts off."""
+        """Return a nut's displacement [m] at a force [N], less its displacement when the other nut becomes unloaded."""
         return force / nut_rigidities_without_and_with_bodies(scene, force)[1] - 2.0 * moved
 
     unloads = float(brentq(displacement_error, preload, 4.0 * preload, rtol=1e-6))

@@ -93,7 +93,7 @@ def agreement_sentence(found: Sequence[PrintedEntryComparison]) -> str:
 def assumptions_table(cache: SceneResultCache) -> Table:
     """Return the table of assumptions made where a publication leaves inputs open.
 
-    ``cache``: lists the scenes used so far; the table has a row for each of their assumptions.
+    ``cache``: lists the scenes used so far; the table has a row for each assumption of these scenes.
     """
     rows: list[dict[str, Cell]] = []
     for name, thing in cache.used_scenes.items():
@@ -163,7 +163,7 @@ def screw_displacement_at_nut_in_3d(scene: Scene, found: Reference) -> float:
 
 
 def nut_rigidity_row(cache: SceneResultCache, name: str) -> dict[str, Cell] | None:
-    """Return the table row of a nut's rigidities [N/um]: by the effects included in the model, and by the 3D reference.
+    """Return the table row of a nut's rigidities [N/um]: with more and more effects in the model, and by the 3D reference.
 
     ``cache``: gives solved scenes and stored 3D references; ``name``: name of the scene. Returns None without a stored 3D
     reference, without axial load, if a rigidity is not defined, or if the screw is displaced at zero load (the 3D
@@ -198,7 +198,7 @@ def nut_rigidities_table(
     catalogue: Sequence[tuple[str, float, dict[str, float | None]]],
     referenced_scenes: Sequence[str],
 ) -> Table:
-    """Return the table of nut rigidities by the effects included: catalogue sizes, then scenes with a 3D reference.
+    """Return the table of nut rigidities with more and more effects: catalogue sizes, then scenes with a 3D reference.
 
     ``cache``: gives solved scenes and stored 3D references; ``catalogue``: result of `computed_and_printed_nut_rigidities`;
     ``referenced_scenes``: names of the scenes that are compared with the 3D reference.
@@ -347,7 +347,7 @@ def contact_loads_of_stored_result(result: dict[str, Any]) -> Array:
     """Return the contact loads (n, 4) [N] of n balls on their four flanks, from one stored 3D result.
 
     The columns are the flanks SL, SR, NL and NR (screw or nut, left or right). Loads on flanks that the result does not
-    contain are zero. ``result``: the result, by key of the JSON file.
+    contain are zero. ``result``: values of the stored result, by key as in the JSON file.
     """
     by_side = result["load"]
     return np.stack([by_side.get(side, np.zeros(len(next(iter(by_side.values()))))) for side in SIDES], axis=1)
@@ -510,8 +510,8 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
 def model_column_range_in_words(rows: list[dict[str, Cell]], column: str, fixation: str = "", form: str = "+.1f") -> str:
     """Return in words the smallest and largest value of a table column, over the rows of the default model.
 
-    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: beginning of the
-    fixations' names that count, empty for all; ``form``: format of the numbers.
+    ``rows``: table rows from `fixation_table_rows`; ``column``: key of the column; ``fixation``: only fixations whose name
+    begins with this text count, all if it is empty; ``form``: format of the numbers.
     """
     values = [float(row[column] or 0.0) for row in rows if row["by"] == DEFAULT and str(row["held"]).startswith(fixation)]
     return f"{min(values):{form}} to {max(values):{form}}"

@@ -331,7 +331,7 @@ def _introductory_paragraphs(found: dict[str, list[RollingComparisonRow]], verif
     """Return the introductory paragraphs: 3D model, verifications passed, low-order results with errors above the limit.
 
     ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``verified``: verifications of the
-    3D model. The results are ball-to-ball forces and torques.
+    3D model. The low-order results are ball-to-ball forces and torques.
     """
     reached = sum(p.within_permitted_error for p in verified)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]
@@ -430,8 +430,8 @@ def _stored_rolling_runs(name: str, stores: Sequence[Path]) -> list[RollingRun]:
 def _grid_dependence_rows(stores: Sequence[Path]) -> list[Row]:
     """Return a table row for each stored result of the 3D rolling model, to show the influence of the grid.
 
-    Columns: scene, grid, force or torque, its change by elasticity, power lost by finite differences, sticking cells,
-    processor time. ``stores``: folders of the results.
+    Columns: scene, grid, force or torque, change of this value by elasticity, power lost by finite differences, sticking
+    cells, processor time. ``stores``: folders of the results.
     """
     out: list[Row] = []
     every = [(name, run) for name in (*PAIRS, *RINGS) for run in _stored_rolling_runs(name, stores)]

@@ -523,7 +523,7 @@ def stiffness_spreads_of_triples(load: float) -> Array:
 
 
 def relative_stiffness_percentile_in_words(key: str, printed: float, reference: float) -> str:
-    """Return in words the percentile of a printed stiffness ratio, with over without ball errors, among drawn screws.
+    """Return in words the percentile of a printed stiffness ratio (with/without ball errors) among randomly drawn screws.
 
     The ratio is the printed stiffness with random ball errors over that without errors; it does not change if all
     stiffnesses differ from the publication's by one factor. ``key``: key of the printed stiffness; ``printed``: its value;

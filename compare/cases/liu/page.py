@@ -246,7 +246,7 @@ def loads_by_axial_model(scene: Scene) -> Array:
 
 
 def scenes_and_levels_to_solve_again_in_3d(fresh: bool) -> Iterator[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Yield the scenes of Liu's screw, with their mesh levels, whose 3D solutions a report must compute again.
+    """Yield pairs: names of scenes of Liu's screw; mesh levels on which a report must solve these scenes in 3D again.
 
     ``fresh``: whether 3D solutions are to be computed again; else nothing is yielded, and the stored ones are used.
     """

@@ -75,8 +75,8 @@ SET_QUANTITIES = (
 def compare_nsk_bearing_sets() -> Iterator[PublishedValue]:
     """Yield printed preload, rigidity and starting torque of NSK's bearing sets, with values from back-to-back pairs.
 
-    The computed value of a set is the printed value of the pair times the computed ratio of set to pair. That of a pair of
-    preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
+    The computed value of a set is the printed value of the pair times the computed ratio of set to pair. The computed value
+    of a pair of preload class C9 is the printed value of the pair of class C10, converted to the preload of C9.
     """
     for source in read_maker_tables("nsk-tac"):
         named = dict(entry.split("=") for entry in source.header["sets"].split("; "))
@@ -184,7 +184,7 @@ def ball_count_and_diameter_from_ratings(dynamic: float, static: float, pitch: f
         return static / (float(of_static(ball / pitch)) * ball**2)
 
     def rating_error(ball: float) -> float:
-        """Return the relative error of the dynamic rating with balls of diameter ``ball`` [m]."""
+        """Return the relative deviation from the given dynamic rating, with balls of diameter ``ball`` [m]."""
         computed = float(of_dynamic(ball / pitch)) * ball_number(ball) ** (2.0 / 3.0) * ball**1.8
         return float(computed / dynamic - 1.0)
 
@@ -252,7 +252,7 @@ def _compare_clearances_and_rigidities(
     ``source``: the maker's table; ``rows``: its rows, one for each preload; ``preloads``: preloads (p,) [N];
     ``displacements_um``: displacements (3, p + 1) [um] at the preloads and at the measuring load; ``rigidities``:
     rigidities (3, p) [N/um]. Both have three rows: computed from the printed rigidity at the highest preload, and from the
-    smallest and largest rigidity that are rounded to this value.
+    smallest and the largest rigidity that round to this printed value.
     """
     clearance = 2.0 * (displacements_um[:, -1:] - displacements_um[:, :-1])
     for i, row in enumerate(rows):

@@ -269,8 +269,8 @@ def compare_nut_rigidity() -> Iterator[PublishedValue]:
 def compare_preloaded_nuts() -> Iterator[PublishedValue]:
     """Yield Rexroth's printed rigidities of preloaded nuts at several preloads, each with the computed value.
 
-    At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads it is the printed
-    rigidity at the highest preload times the cube root of the ratio of the preloads.
+    At the highest preload, the rigidity is computed from contacts and tubes. At the other preloads, the computed value is
+    the printed rigidity at the highest preload times the cube root of the ratio of the preloads.
     """
     source = read_maker_table("rexroth-preload")
     groups: dict[tuple[str, str], list[Mapping[str, str]]] = {}
@@ -442,7 +442,7 @@ def fit_power_exponent(values: list[float], abscissas: list[float]) -> float:
 def compare_rexroth_drag_torques() -> Iterator[PublishedValue]:
     """Yield Rexroth's printed ranges of drag torque, each with the computed torque.
 
-    They are not judged, since the printed torques follow a formula.
+    These ranges are not judged, since the printed torques follow a formula.
     """
     source = read_maker_table("rexroth-preload")
     for row in source.rows:
@@ -477,7 +477,7 @@ MEASURED_LEAD, MEASURED_C, MEASURED_PRELOAD, DIAMETERS = 8e-3, 16_400.0, 1_500.0
 def drag_torque_of_measured_screws() -> ComputedBand:
     """Return the computed drag torque [N m] of two ball screws whose friction torque was measured, with its range.
 
-    The value is that of the middle nominal diameter as a double nut, at the default coefficient of friction; the range
+    The value belongs to a double nut of the middle nominal diameter, at the default coefficient of friction; the range
     covers all diameters, single and double nuts. The number of turns follows from the dynamic rating C, the ball is the
     largest stock size for the lead.
     """

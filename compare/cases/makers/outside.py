@@ -222,10 +222,10 @@ def error_statistics(found: Sequence[PublishedValue]) -> ErrorStatistics | None:
 
 
 def group_by_fields(found: Iterable[PublishedValue], *keys: str) -> dict[tuple[str, ...], list[PublishedValue]]:
-    """Group published values by fields of `PublishedValue`, in the order in which they first occur.
+    """Group published values by fields of `PublishedValue`; groups are in the order of their first value.
 
-    ``keys``: names of these fields. The keys of the result are tuples of these fields' values, its items the published
-    values of the group. ``found``: published values with the computed ones.
+    ``keys``: names of these fields. Returns the published values of each group, by the tuple of the fields' values.
+    ``found``: published values with the computed ones.
     """
     groups: dict[tuple[str, ...], list[PublishedValue]] = {}
     for one in found:

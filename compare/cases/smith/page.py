@@ -221,8 +221,8 @@ LAYOUT_NOTE = (
 def end_thrusts_and_stiffness_table(cache: SceneResultCache) -> Table:
     """Return the table of the thrust on both end supports and of the axis stiffness, by bearing layout and nut position.
 
-    They are computed by the beam model, by closed formulas, and by Smith's sum in series. ``cache``: gives the solved
-    scenes.
+    Thrusts and stiffness are computed by the beam model, by closed formulas, and by Smith's sum in series. ``cache``: gives
+    the solved scenes.
     """
     unit = 1e6 * bearings.POUND_PER_INCH
     rows: list[Row] = []

@@ -79,7 +79,7 @@ def solve_rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
 
 @cache
 def solve_rotary_ball(case: str, hertz: Mode = "right") -> bearing.BearingBallSolution:
-    """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2: that of least friction loss.
+    """Solve the motion of least friction loss of one ball of the rotary bearing, in a case of Lin's Table 3.2.
 
     ``case``: "I", "II" or "III"; ``hertz``: "right" for exact Hertz constants, "as printed" for those with Lin's faults,
     which give his loads and contact ellipses.
@@ -228,7 +228,7 @@ def table_3_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:  
 def _record_largest_friction_loss_increase(findings: ComputedEntryValues) -> None:
     """Compute the largest increase of friction loss in Lin's section 3.3.4.1; ``findings`` receives the results.
 
-    It is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
+    The increase is the friction loss between two touching balls over the loss of both balls without ball-to-ball contact.
     """
     worst = solve_linear_ball_pair(WORST)
     whole = float(error_percent(worst.touching.loss, worst.apart.loss))
@@ -426,9 +426,10 @@ def power_balance_rows() -> list[Row]:
 
 
 def linear_pair_sensitivity_rows() -> list[Row]:
-    """Return table rows of ball-to-ball force and friction losses of two balls in the linear bearing by assumption.
+    """Return table rows of ball-to-ball force and friction losses in the linear bearing, one for each pair of assumptions.
 
-    The assumptions are how the contact loads are computed, and the friction coefficient between the balls.
+    The first assumption is how the contact loads of the two balls are computed, the second is the friction coefficient
+    between the balls.
     """
     rows: list[Row] = []
     printed = printed_entry("lin-3.5", "a_force_numerical")

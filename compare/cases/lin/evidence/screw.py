@@ -494,7 +494,7 @@ def contact_load_interpretations() -> list[tuple[str, str, Callable[[float], Pai
     """
 
     def with_changes(make_pair: Callable[[float], Pair], **changes: object) -> Callable[[float], Pair]:
-        """Return a function of theta [rad] that makes a ball pair by ``make_pair``, with ``changes`` of its fields."""
+        """Return a function of theta [rad] that makes a ball pair by ``make_pair``, with the pair's fields ``changes``."""
         return lambda theta: replace(make_pair(theta), **changes)  # type: ignore[arg-type]
 
     radial = with_changes(source_cases.screw_pair_as_printed, free="r", force=(100.0,), coupling="none")

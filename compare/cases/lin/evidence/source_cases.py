@@ -124,7 +124,7 @@ def simulation_inputs_by_theta_amplitude(theta_amplitude: float) -> Run:
 
 
 def four_point_and_double_row_scene() -> BearingPairScene:
-    """Return the scene of both bearings of Lin's Table 4.2, four-point and double-row, with the angles of their load."""
+    """Return the scene of both bearings of Lin's Table 4.2, four-point and double-row, with their load angles."""
     return shipped_scene_of_kind(BEARINGS, BearingPairScene)
 
 

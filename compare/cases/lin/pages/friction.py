@@ -73,9 +73,9 @@ def power_balance_table() -> Table:
 
 
 def linear_pair_sensitivity_table() -> Table:
-    """Return the table of ball-to-ball force and friction losses of two balls in the linear bearing, by assumption.
+    """Return the table of ball-to-ball force and friction losses in the linear bearing, for each pair of assumptions.
 
-    The assumptions are on the contact loads and on the friction between the balls.
+    The assumptions concern the contact loads of two balls and the friction between them.
     """
     printed = printed_entry("lin-3.5", "a_force_numerical")
     table = Table.from_rows(
@@ -247,8 +247,8 @@ def panels_over_side_force_ratio(
     """Draw a quantity of two balls over the side force ratio: by the numerical model, by Lin's formula, and the difference.
 
     There is one curve for each deviation theta of the contact angle. ``grid_results``: results over a grid of side force
-    ratios and values of theta; ``by_model_and_formula``: the quantity by both models; ``label``: name of the quantity with
-    unit.
+    ratios and values of theta; ``by_model_and_formula``: the quantity by numerical model and by formula; ``label``: name of
+    the quantity with unit.
     """
     x = scale_to_python_floats(grid_results.side_force_ratio)
     parts = (
@@ -599,7 +599,7 @@ def bearing_torque_figure() -> Figure:
 
 
 def pair_interpretations_table() -> Table:
-    """Return the table of ball-to-ball force and loss increase for each interpretation of Lin's Table 3.7."""
+    """Return the table of ball-to-ball force and loss increase of two balls, for each interpretation of Lin's Table 3.7."""
     printed = {
         case: [printed_entry("lin-3.7", f"{what}_{case}").number_as_printed for what in ("force", "increase")]
         for case in screw.THETA
@@ -620,7 +620,7 @@ def pair_interpretations_table() -> Table:
 def simulation_sensitivity_table() -> Table:
     """Return the table of the whole-screw simulation's results under varied assumptions that Lin's thesis does not print.
 
-    They concern section 3.4.4; a row of the table has one assumption changed.
+    The assumptions concern section 3.4.4; in each row, one of them is changed.
     """
     largest, at, none_at = (
         printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
@@ -699,7 +699,8 @@ def ball_contact_onset_table(cache: SceneResultCache) -> Table:
 def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
     """Return the introduction to the results on friction of two touching balls and of a whole ball screw.
 
-    ``pairs``: table of two balls by interpretation; ``simulations``: table of the whole-screw simulations by assumption.
+    ``pairs``: table of two balls, a row for each interpretation; ``simulations``: table of the whole-screw simulations, a
+    row for each assumption.
     """
     return Text((_ball_pair_paragraph(pairs), _simulation_paragraph(simulations)))
 

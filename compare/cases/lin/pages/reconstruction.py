@@ -117,8 +117,8 @@ def _lateral_displacement_row(cache: SceneResultCache) -> Row:
 def _case_3_support_row(cache: SceneResultCache, model: str) -> Row:
     """Return the table row on Lin's case 3, in which the right end of the screw is displaced laterally.
 
-    It names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name of
-    the model by which the contact loads are computed. ``cache``: gives the solved scenes.
+    The row names the supports of this end for which the displacement changes the contact loads as printed. ``model``: name
+    of the model by which the contact loads are computed. ``cache``: gives the solved scenes.
     """
     largest, right = [], []
     for reading in END_SUPPORTS:
@@ -151,8 +151,8 @@ def rises_most_at_last_balls(change: Array) -> bool:
 def _ball_force_row(case: str) -> Row:
     """Return the table row on a ball-to-ball force that Lin prints for his model and for ANSYS.
 
-    It contains their difference, and the computed effects of elastic bodies and of the cell size. ``case``: key of
-    `FORCES`.
+    The row contains the difference of both forces, and the computed effects of elastic bodies and of the cell size.
+    ``case``: key of `FORCES`.
     """
     table, low_key, ansys_key, name = FORCES[case]
     low, ansys = (printed_value(table, key) for key in (low_key, ansys_key))
@@ -293,7 +293,7 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
 
 
 def _ratios_and_errors_in_words(result: combined.CombinationResult) -> str:
-    """Return largest over smallest load and the model errors in words; ``result``: of a combination of interpretations."""
+    """Return in words load ratios and model errors; ``result``: results of a combination of interpretations."""
     return (
         f"ratios of {result.low_order_load_ratio:.3f} and {result.load_ratio_in_3d:.3f}, errors of "
         f"{_errors_in_words(result.errors_percent['own'])}, "
@@ -412,7 +412,7 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
 
 
 def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of largest over smallest load and model errors: printed by Lin, and by each possible explanation.
+    """Return the table of load ratio and model errors: printed by Lin, and by each possible explanation of these numbers.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -433,7 +433,7 @@ def ratios_and_errors_by_explanation_table(found: list[combined.CombinationResul
 
 
 def deviations_from_print_table(found: list[combined.CombinationResult]) -> Table:
-    """Return the table of deviations from the printed largest over smallest load and model errors, by explanation.
+    """Return the table of deviations from the printed load ratio and model errors, a row for each possible explanation.
 
     ``found``: results of all combinations of interpretations.
     """
@@ -478,7 +478,7 @@ def _ratio_and_error_cells(values: Sequence[float], ratio: str, error: str, unit
 
 
 def _ratio_cells_and_errors_by_definition(result: combined.CombinationResult) -> Row:
-    """Return table cells of a combination: largest over smallest load by both models, errors by both definitions."""
+    """Return table cells of a combination: largest over smallest load by both models; errors of each, of the mean load."""
     row: Row = {
         TableColumn("low_ratio", "ratio, low order", "", ".3f"): result.low_order_load_ratio,
         TableColumn("solid_ratio", "ratio, 3D", "", ".3f"): result.load_ratio_in_3d,

@@ -175,8 +175,8 @@ def error_percent_or_none(value: float | None, reference: float | None) -> float
 def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.4, by name of the printed number beside which they stand.
 
-    They are velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at both
-    contacts of each diagonal. ``cache``: not used here.
+    The cells contain velocity deviations [%] under the contact loads that section 3.3.4.1 of the thesis assumes, equal at
+    both contacts of each diagonal. ``cache``: not used here.
     """
     found = {
         case: 100.0 * solve_linear_ball_pair(loads="diagonal", mated=case == "b").apart.velocity_deviation for case in "ab"
@@ -188,8 +188,8 @@ def table_3_4_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
 def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.5, by name of the printed number beside which they stand.
 
-    They are printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that section
-    3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``cache``: not used here.
+    The cells contain printed differences from ANSYS [%], and the ball-to-ball force [N] under the contact loads that
+    section 3.3.4.1 of the thesis assumes, equal at both contacts of each diagonal. ``cache``: not used here.
     """
     low, ansys = (printed_value("lin-3.5", f"a_force_{way}") for way in ("analytic", "ansys"))
     numerical: Row = {
@@ -205,7 +205,7 @@ def table_3_5_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
 def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: ARG001 - every table takes the study
     """Return further cells for the report's copy of Lin's Table 3.7, by name of the printed force beside which they stand.
 
-    They are printed differences from ANSYS [%]. ``cache``: not used here.
+    The cells contain printed differences from ANSYS [%]. ``cache``: not used here.
     """
     return {f"lin-3.7:force_{case}": {SOURCES_OWN: printed_value("lin-3.7", f"difference_{case}")} for case in SCREW}
 
@@ -213,8 +213,8 @@ def table_3_7_extra_cells(cache: SceneResultCache) -> dict[str, Row]:  # noqa: A
 def table_b_1_extra_cells(cache: SceneResultCache) -> dict[str, Row]:
     """Return further cells for the report's copy of Lin's Table B.1, by name of the printed number beside which they stand.
 
-    They are the correct values for the groove with which Lin computed the table; his Table 2.1 states another groove.
-    ``cache``: gives the solved scenes.
+    The cells contain the correct values for the groove with which Lin computed the table; his Table 2.1 states another
+    groove. ``cache``: gives the solved scenes.
     """
     scene = with_conformity(cache.built_in_scene("lin-case1"), chapter_2.TABLE_CONFORMITY)
     return {f"lin-B1:{key}": {OTHER_GROOVE: value} for key, value in chapter_2.correct_values_of_table_b_1(scene).items()}
@@ -408,7 +408,7 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
 
 
 def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
-    """Yield table rows of Lin's case studies: largest and smallest load, and errors against the 3D reference, by model.
+    """Yield table rows of Lin's case studies, one for each model: largest and smallest load, errors against 3D reference.
 
     ``cache``: gives solved scenes and stored 3D references.
     """
@@ -440,7 +440,7 @@ def case_study_load_and_error_rows(cache: SceneResultCache) -> Iterator[Row]:
 
 
 def case_study_loads_and_errors_table(cache: SceneResultCache) -> Table:
-    """Return the table of loads and errors of Lin's case studies by model.
+    """Return the table of contact loads and model errors in Lin's case studies, one row for each model.
 
     ``cache``: gives solved scenes and stored 3D references.
     """
@@ -533,7 +533,7 @@ def printed_results_conclusion(found: Iterable[PrintedEntryComparison]) -> str:
 def printed_table_section(
     cache: SceneResultCache, layout: PrintedLayout, found: Mapping[str, PrintedEntryComparison]
 ) -> Section:
-    """Return the report's section on one table of Lin's thesis, or on the numbers in its sentences.
+    """Return the report's section on one table of Lin's thesis, or on the numbers in the thesis's sentences.
 
     ``layout``: rows and columns of the table in the thesis; ``found``: printed values with the computed ones, by name.
     ``cache``: gives the solved scenes.

@@ -171,7 +171,7 @@ def _solve_layout_scene(
 def axis_stiffness_by_sum_in_series(layout: SupportBearingLayout) -> float:
     """Return the axis stiffness [N/m] without the nut by Smith's equation (4.6), a sum of compliances in series.
 
-    It contains the compliances of both supports and of the whole screw. ``layout``: support bearings of the axis; the
+    The sum contains the compliances of both supports and of the whole screw. ``layout``: support bearings of the axis; the
     result is nan if the screw is fixed at one end only, for which Smith gives no sum.
     """
     if not layout.right_row_directions:
@@ -264,8 +264,8 @@ def _end_thrusts_under_load(tension: float) -> dict[str, float]:
 def row_loads_by_smith_rule(kind: str, end: str, state: str, preload: tuple[float, ...]) -> list[float]:
     """Return the loads [lbf] of the bearing rows at one end of the axis by Smith's rule, which violates equilibrium.
 
-    By this rule, half of the screw's tension and half of the carriage's load act at each end. They are added to the
-    preloads of the rows in their direction, and also subtracted from those of the opposite rows. ``kind``: "ball" or
+    By this rule, half of the screw's tension and half of the carriage's load act at each end. Both halves are added to the
+    preloads of the rows that they load, and also subtracted from the preloads of the opposite rows. ``kind``: "ball" or
     "taper"; ``end``: "left" or "right"; ``state``: "stretch" or "applied"; ``preload``: preload of each row [lbf].
     """
     loads = as_printed.bearing_row_loads_as_printed(
