@@ -151,7 +151,7 @@ def ball_compliance_matrix(setup: CondensedGeometry, nodal_shares: dict[int, Arr
 def contact_compliance_of_bodies(setup: CondensedGeometry, nodal_shares: dict[int, Array]) -> Array:
     """Compute the displacement of each contact per unit of its force, without the contact's own local compliance.
 
-    It is the sum of the displacement of screw or nut and of half the response of the ball to two opposite forces.
+    The result is the sum of the displacement of screw or nut and of half the response of the ball to two opposite forces.
 
     Parameters
     ----------

@@ -268,7 +268,7 @@ def average_over_pressure_functions(p: PlacedNut, values: Array) -> Array:
 def grid_position_gap_corrections(p: PlacedNut, forces: Array, normals: Array) -> Array:
     """Compute corrections of all gaps that remove the discretisation error due to each contact's position on its mesh grid.
 
-    They are interpolated in the tables of `hifi.bodies.grid_wave`.
+    The corrections are interpolated in the tables of `hifi.bodies.grid_wave`.
 
     Parameters
     ----------

@@ -314,7 +314,7 @@ def stress_field_of_groove_patch(
     setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     meshes : PartMeshes
-        Its meshes.
+        Meshes of the geometry.
     body_displacements : (n, 3) Array
         Displacements of the n nodes of the coarse mesh of screw or nut [m].
     ball : int
@@ -409,7 +409,7 @@ def stress_fields_of_ball(
     setup : CondensedGeometry
         Meshed and condensed parts of one geometry.
     meshes : PartMeshes
-        Its meshes.
+        Meshes of the geometry.
     ball : int
         Number of the ball, from 0.
     forces : dict[int, Array]

@@ -153,7 +153,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
 def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
     """Make the sparse matrix ``(n, n)`` of a graph, with entries ``weights`` at the given rows and columns.
 
-    Its indices have 32 bits, because csgraph of scipy 1.15 takes no others.
+    The indices of the matrix have 32 bits, because csgraph of scipy 1.15 takes no others.
     """
     return sp.csr_array((weights, (rows.astype(np.int32), columns.astype(np.int32))), (n, n))
 
@@ -241,7 +241,7 @@ class FrontUpdate(NamedTuple):
 
 
 class EliminatedFront(NamedTuple):
-    """Columns of the Cholesky factor that the elimination of one supernode's front gives, with its share of the loads."""
+    """Columns of the Cholesky factor that the elimination of one supernode's front gives, and the loads L^-1 B there."""
 
     #: Rows of the front, its pivots first.
     rows: Index
@@ -442,7 +442,7 @@ class FactorError(ArithmeticError):
 def factorise_positive_definite(K: sp.sparray) -> Solve:
     """Factorise a symmetric positive definite matrix, and return a function that solves for right-hand sides.
 
-    Its definiteness is checked, its symmetry is not.
+    Whether K is positive definite is checked, whether it is symmetric is not.
 
     Parameters
     ----------

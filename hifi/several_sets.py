@@ -52,8 +52,8 @@ class MeshedSetGeometry:
 def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, ...]:
     """Return the geometry that is meshed in 3D for each nut or bearing on a shaft.
 
-    It includes the part of the shaft around the nut. This part ends half-way to the next nut or bearing, or earlier where
-    it would end if the nut or bearing were the only one on its shaft.
+    The geometry includes the part of the shaft around the nut. This part ends half-way to the next nut or bearing, or
+    earlier where it would end if the nut or bearing were the only one on its shaft.
 
     Parameters
     ----------

@@ -319,7 +319,7 @@ def assemble_mode_forces(sockets: Sequence[BodySocket], mode_forces: dict[int, A
 def select_isostatic_freedoms(points: Array, excluded_nodes: Index) -> Index:
     """Select six degrees of freedom that constrain the rigid motions of a free body without straining it.
 
-    They are chosen by a pivoted factorisation of the body's rigid motions.
+    The six are chosen by a pivoted factorisation of the body's rigid motions.
 
     Parameters
     ----------

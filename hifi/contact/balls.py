@@ -579,8 +579,8 @@ class _ContactEnergyProblem:
     def gaps_without_local_compliance(self, w: Array, y: Array) -> list[Array]:
         """Compute the gaps of each ball ``(n_i,)`` [m] without the displacements by its own compliance D_i.
 
-        They result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: modal forces (r,)
-        [N]; ``y``: rigid motions (k,) [m, rad].
+        These gaps result from the undeformed gaps, the rigid motions, and the coupling with other balls. ``w``: modal
+        forces (r,) [N]; ``y``: rigid motions (k,) [m, rad].
         """
         z = self.C.mode_compliance @ w
         each = zip(self.gaps, self.C.modes_by_ball, self.C.mode_slices_by_ball, self.rows, strict=True)

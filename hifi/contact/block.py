@@ -136,7 +136,7 @@ def surface_compliance(
 ) -> SurfaceCompliance:
     """Compute the compliance between surface nodes within an ellipse, for a half-space and for a block with fixed faces.
 
-    Both follow from one mesh of a block, whose cut faces move as in the half-space, or are fixed.
+    Both compliances follow from one mesh of a block, whose cut faces move as in the half-space, or are fixed.
 
     Parameters
     ----------

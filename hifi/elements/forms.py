@@ -105,7 +105,7 @@ def elasticity_form(young: float, poisson: float) -> Any:
 
 
 def nodal_volume_form(axis: int | None = None) -> Any:
-    """Return the linear form int N_i dA or int N_i dV, by which each node i gets its share of an area or volume.
+    """Return the linear form int N_i dA or int N_i dV, which is the area or volume that belongs to each node i.
 
     Parameters
     ----------
@@ -138,9 +138,9 @@ _FACE_DEGREE = {3: 5, 4: 7}
 class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
     """Isoparametric map of scikit-fem that locates face points in their cells without Newton's method, and caches results.
 
-    It shortens an assembly by a fifth to a third. The position of a face's point in its cell follows from the corners of
-    both. Scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off for cells of 10 um at 16 mm
-    from the origin. Faces are mapped as parts of their cells.
+    The map shortens an assembly by a fifth to a third. The position of a face's point in its cell follows from the corners
+    of both. Scikit-fem finds it by Newton's method to an absolute 1e-12, which is below round-off for cells of 10 um at 16
+    mm from the origin. Faces are mapped as parts of their cells.
     """
 
     def __init__(self, mesh: Mesh) -> None:
@@ -251,7 +251,7 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
 def stiffness_quadrature(mesh: Mesh) -> tuple[Array, Array]:
     """Return the quadrature rule for the stiffness of a mesh, in the reference coordinates of a cell.
 
-    It passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
+    The rule passes the patch test on curved cells (the cofactors of the map times the gradients are integrated exactly) and
     integrates the stiffness of a plane-faced cell exactly. (scikit-fem's rule of degree 3 on tetrahedra has a negative
     weight.)
 
@@ -347,8 +347,8 @@ def face_mass_matrix(u: FacetBasis, v: FacetBasis) -> sp.csr_array:
 def nodal_areas(mesh: Mesh, boundary: str) -> Array:
     """Compute the consistent nodal areas of a boundary: integrals of the shape functions over its curved faces.
 
-    Their sum is the area. The areas of the corner nodes of flat 6-node triangles vanish: these nodes carry no contact
-    pressure.
+    The sum of the nodal areas is the area of the boundary. The areas of the corner nodes of flat 6-node triangles vanish:
+    these nodes carry no contact pressure.
 
     Parameters
     ----------
@@ -444,7 +444,7 @@ def assemble_constant_form(form: Any, mesh: Mesh, mapping: Any = None) -> sp.csc
 
 
 def _node_graph(nodes: Index, count: int) -> sp.csr_array:
-    """Build the sparse graph of nodes that share a cell; its values number its entries, row by row.
+    """Build the sparse graph of nodes that share a cell; the value of each entry is its number, row by row.
 
     ``nodes``: indices of the nodes of each cell (cells, n); ``count``: number of all nodes.
     """

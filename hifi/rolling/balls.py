@@ -405,8 +405,8 @@ def ball_contact_losses(scene: kinematics.RollingBalls, y: Array) -> Array:
 def estimate_starting_unknowns(scene: kinematics.RollingBalls) -> Array:
     """Estimate starting values of the friction solver's unknowns for N balls with M mutual contacts ``(4 N + M,)``.
 
-    Their order and units are those of `split_motions_and_forces`. Each ball moves at its nominal speed along the track and
-    rotates so that its contacts with grooves slide least; the forces between balls are zero.
+    Order and units of these unknowns are those of `split_motions_and_forces`. Each ball moves at its nominal speed along
+    the track and rotates so that its contacts with grooves slide least; the forces between balls are zero.
     """
     y = np.zeros(kinematics.MOTIONS * len(scene.balls) + len(scene.ball_to_ball_contacts))
     for b, ball in enumerate(scene.balls):

@@ -97,7 +97,7 @@ def _growing_boundaries_to_end(start: float, end: float, step: float, growth: fl
 class ContactBody:
     """Mesh of a body around one contact, with named boundaries.
 
-    They are "contact" (the contact zone) and "held" (where the body is fixed or cut off; a ball has none).
+    The boundaries are "contact" (the contact zone) and "held" (where the body is fixed or cut off; a ball has none).
     """
 
     #: Mesh of the body.
@@ -193,8 +193,8 @@ class Groove:
 def mesh_grooved_bar(groove: Groove, size: float, zone: ContactZone) -> ContactBody:
     """Mesh a bar with a groove along it, straight or bent into a ring, around a contact on one of the groove's flanks.
 
-    It is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove, its
-    other flank and the ends of the bar are free.
+    The bar is round outside, where it is fixed, and equally long on both sides of the contact. The lands beside the groove,
+    its other flank and the ends of the bar are free.
 
     Parameters
     ----------

@@ -250,7 +250,7 @@ def rolling_speed(touch: GrooveContact, scene: RollingBalls) -> float:
     touch : GrooveContact
         The contact.
     scene : RollingBalls
-        Its balls.
+        The rolling balls.
 
     Returns
     -------
@@ -282,7 +282,7 @@ def rigid_friction_contact(
     touch : GrooveContact
         The contact.
     scene : RollingBalls
-        Its balls.
+        The rolling balls.
     ball : int
         Index of the ball.
     normal : (n,) Array
@@ -319,7 +319,7 @@ def elastic_friction_contact(
     touch : GrooveContact
         The contact.
     scene : RollingBalls
-        Its balls.
+        The rolling balls.
     ball : int
         Index of the ball.
     patch : GridContact
@@ -404,8 +404,8 @@ def ball_to_ball_contact(
 class BallEquilibrium:
     """Equilibrium of all balls under the forces between them, as equations f(y) for the friction solver.
 
-    They are f of eq. (2) in `hifi.rolling.friction`. The unknowns y are the motions of all balls, then the force of each
-    ball-to-ball contact [N].
+    The equations are f of eq. (2) in `hifi.rolling.friction`. The unknowns y are the motions of all balls, then the force
+    of each ball-to-ball contact [N].
     """
 
     #: The balls.

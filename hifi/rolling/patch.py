@@ -192,7 +192,7 @@ def _corner_coordinates(x: Array, y: Array, dx: float, dy: float) -> tuple[Array
 def _log_term_without_cancellation(x: Array, y: Array) -> Array:
     """Evaluate x arsinh(y/abs(x)), which equals x ln(y + R) with R^2 = x^2 + y^2 up to a function of x only.
 
-    It has no cancellation for y < 0. The value at x = 0 is the limit 0.
+    Evaluated as here, there is no cancellation for y < 0. The value at x = 0 is the limit 0.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(x == 0.0, 0.0, x * np.arcsinh(y / np.abs(x)))
@@ -388,7 +388,7 @@ class GridContact:
     def tangential_displacement_rate(self) -> Array:
         """Tangential displacement by the normal forces, per length of rolling, all x and then all y ``(2 n,)`` [m/m].
 
-        It is zero for half-spaces of the same material.
+        The displacement is zero for half-spaces of the same material.
         """
         if self.finite_body_kernel is None:
             return np.zeros(2 * len(self.cell_centres))
@@ -400,7 +400,7 @@ class GridContact:
     def depth_of_contact_centre(self) -> float:
         """Depth of the contact's centre inside the undeformed ball [m]: half of the approach.
 
-        It is 0 for half-spaces, where the rolling radius is the ball's.
+        The depth is 0 for half-spaces, where the rolling radius is the ball's.
         """
         return 0.0 if self.finite_body_kernel is None else 0.5 * self.approach
 
@@ -408,8 +408,8 @@ class GridContact:
     def elastic_slip_per_rolling_length(self) -> Array:
         """Elastic slip per length of rolling by unit tangential forces on the cells, all x then all y ``(2 n, 2 n)`` [1/N].
 
-        It is the change of the displacement along the flow of material through the contact, by a backward difference of
-        second order with steps of `STEP` cells. Displacements are known everywhere, so that nothing is interpolated. The
+        The slip is the change of the displacement along the flow of material through the contact, by a backward difference
+        of second order with steps of `STEP` cells. Displacements are known everywhere, so that nothing is interpolated. The
         symmetric part of the matrix is positive: the differences dissipate work.
         """
         step = STEP * float(self.cell_size[0])
@@ -505,7 +505,7 @@ def equivalent_half_space_radii(
 ) -> tuple[float, float]:
     """Compute relative radii of curvature with which half-spaces have nearly the same contact as finite bodies.
 
-    They follow from the curvatures of the displacement that finite bodies add under Hertz's pressure.
+    The radii follow from the curvatures of the displacement that finite bodies add under Hertz's pressure.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ def solve_friction_for_rigid_slip(
     contact : FrictionContact
         Input of the friction solver.
     solution : FrictionSolution
-        Its solution.
+        Solution of the friction solver.
     """
     contact = FrictionContact(
         mu * patch.normal_forces, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip

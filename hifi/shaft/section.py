@@ -91,7 +91,8 @@ def rotate_flexibility(flexibility: Array, azimuth: float) -> Array:
 def flexibility_of_lower_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: float) -> Array:
     """Compute the flexibility that the cut lower end of a shaft adds to that of its uniform beam.
 
-    It is the motion of the beam's end relative to the fixed flat section at the cut, in the fixed frame.
+    The flexibility is the motion of the beam's end, by unit forces and moments, relative to the fixed flat section at the
+    cut, in the fixed frame.
 
     Parameters
     ----------
@@ -113,7 +114,8 @@ def flexibility_of_lower_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: fl
 def flexibility_of_upper_cut_end(cut_end_flexibility: Array, m: GrooveMap, z: float) -> Array:
     """Compute the flexibility that the cut upper end of a shaft adds to that of its uniform beam.
 
-    It is the motion of the rigid flat section at the cut relative to the beam's end, in the fixed frame.
+    The flexibility is the motion of the rigid flat section at the cut, by unit forces and moments, relative to the beam's
+    end, in the fixed frame.
 
     Parameters
     ----------
