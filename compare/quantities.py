@@ -113,6 +113,7 @@ def _quantity_of_field(name: str, description: QuantityDescription) -> TableColu
     factor = 1.0 if unit is None else unit.factor
 
     def value(holder: Any) -> Any:
+        """Return the value of the field in the record ``holder`` for JSON, in the unit of the key."""
         return _in_key_unit(description.shown(getattr(holder, name)), factor)
 
     return TableColumn(description.key, *heading_and_unit(description), description.form, value)

@@ -147,6 +147,7 @@ def progress_bar(label: str) -> Iterator[Callable[[str, float], None]]:
     begin = monotonic()
 
     def show(what: str, share: float) -> None:
+        """Draw the bar with the text ``what`` and the ``share`` of the work that is done (0 to 1)."""
         if monotonic() - begin >= FIRST and sys.stderr.isatty():
             _draw_progress_line(f"{label}: {what}{_remaining_time_text(monotonic() - begin, share)}", share)
 

@@ -39,16 +39,16 @@ def bench(
     Parameters
     ----------
     names
-        Scenes with a 3D reference whose models are timed. Default: lin-case1; with --long all scenes that the report
-        compares.
+        Scenes with a 3D reference, on which the models are timed. Default: lin-case1; with --long all scenes that the
+        report compares.
     long
         Also time every mesh level of the 3D reference, which takes about an hour on idle cores; threads are not timed.
     source
         Measure only the times that the page of this publication shows (such as lin), which takes ten to fifteen minutes on
         two idle cores.
     drawn
-        Solve 24 of the randomly drawn screws on mesh levels 1 and 2 of the 3D reference instead, in one and a half hours of
-        processor time; needs --store. An interrupted run resumes.
+        Instead, solve 24 of the randomly drawn screws of rollbench survey on mesh levels 1 and 2 of the 3D reference,
+        in one and a half hours of processor time; needs --store. An interrupted run resumes.
     store
         Folder of stored runs in which the times are stored for the report. Without --long, --source and --drawn, these are
         the times of commands in an empty home folder.

@@ -119,11 +119,13 @@ def compare_and_report(
     cases, warnings, stores, own = load_cases_by_scene_name(described), found.warnings, found.stores, found.from_user_file
 
     def heading(one: SceneWithReference) -> dict[str, Any]:
+        """Return the JSON keys that identify the scene, its nut or bearing, and its load case."""
         return scene_and_set_keys(one) | (
             cases[one.described_scene_name].identifying_values if one.described_scene_name in cases else {}
         )
 
     def parts() -> Iterator[Any]:
+        """Yield the texts and tables for the terminal: verdict, results and errors of the models for each scene."""
         comparisons, warned = [], [f"WARNING: {warning}" for warning in warnings]
         for one, whole in found.compare_each():
             comparisons.append(((one.described_scene_name, one.set_name), whole))
@@ -157,6 +159,7 @@ def compare_and_report(
         yield from (line for cycle in distinct_duty_cycles(cases) for line in duty_cycle_lines(cycle, dict(comparisons)))
 
     def data() -> dict[str, Any]:
+        """Return the JSON output: loads of every contact, and results and errors of the models, for each scene."""
         pairs = list(found.compare_each())
         listed = [
             row.as_json() | heading(one)

@@ -102,6 +102,7 @@ def _options_of_load_case(solve_options: SolveOptions, name: str) -> SolveOption
     """
 
     def named(path: Path | None) -> Path | None:
+        """Return the path with the name of the load case added to the file name; None stays None."""
         return None if path is None else path.with_stem(f"{path.stem}-{name}")
 
     return replace(solve_options, matrix=named(solve_options.matrix))

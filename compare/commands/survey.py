@@ -157,7 +157,7 @@ def write_drawn_screw(number: int, out: Path) -> CommandOutput:
 
 
 def solve_extreme_scenes() -> CommandOutput:
-    """Solve a table of extreme scenes with all solvers, and return the outcomes; exit code 1 if rollbench's own fails."""
+    """Solve extreme scenes with all solvers, and return the outcomes; exit code 1 if the solver of rollbench fails."""
     from rollbench.compare.studies.extremes import solve_all_hard_scenes, unexpected_outcomes
 
     rows = solve_all_hard_scenes(lambda done, total, case: show_progress_message(f"[{done}/{total}] {case}"))

@@ -153,6 +153,7 @@ def load_curve_parts(curve: LoadCurve, *, details: bool = False) -> list[Any]:
     way = next((name for name, on in zip("xyz", curve.direction, strict=True) if on == 1.0), f"({x:.3g}, {y:.3g}, {z:.3g})")
 
     def size(value: float | None, factor: float, unit: str) -> str:
+        """Return ``value`` times ``factor`` with its unit as text; "unknown" for None."""
         return "unknown" if value is None else f"{format_by_error(factor * value)} {unit}"
 
     lash = f"not known: {curve.lash_words}" if curve.lash_words else size(curve.lash, 1e6, "um")

@@ -313,7 +313,7 @@ def _nodal_supports_and_loads(scene: Scene, nodes: Array) -> tuple[NDArray[np.bo
             if fixed[j, FREEDOMS.index(name)]:
                 where = f"at {1e3 * support.at:g} mm"
                 raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one support of a degree of freedom within "
+                    f"got two supports that fix {name} {where}; allowed: one support for each degree of freedom within "
                     f"{1e6 * MERGE:g} um; remove one of them"
                 )
             fixed[j, FREEDOMS.index(name)] = True

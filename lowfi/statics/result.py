@@ -74,7 +74,7 @@ class Equilibrium:
     solution independently of the solved equations. A rigid motion that neither support nor contact resists and no load
     drives is prevented by a pin, a degree of freedom that is fixed although no support fixes it. Since the model keeps
     balls in their section planes, the pin may carry a small load, which is not a reaction of a support. The residuals
-    include it.
+    include this load.
     """
 
     #: Sum of the external loads ``(3,)`` [N].

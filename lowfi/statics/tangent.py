@@ -112,7 +112,7 @@ def tangent_stiffness(
     """
     if not 0.0 <= station <= scene.screw.length:
         length = f"{1e3 * scene.screw.length:g} mm"
-        raise ValueError(f"the position of the section must lie on the screw, from 0 to {length}, got {1e3 * station:g} mm")
+        raise ValueError(f"the section must lie on the screw, at z from 0 to {length}, got {1e3 * station:g} mm")
     layout = ball_layout(scene)
     drawn = draw_geometry_with_errors(scene, layout, member)
     every = condensed is not None or "kernel" in (backend.screw, backend.nut) or drawn.profile_coefficients.shape[1] > 0

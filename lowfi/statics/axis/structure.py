@@ -153,7 +153,7 @@ def structure_of(assembly: Assembly, stations: Array, section: BeamSection | Non
             if fixed[j, k]:
                 where = f"at {1e3 * at:g} mm"
                 raise ValueError(
-                    f"got two supports that fix {name} {where}; allowed: one support of a degree of freedom within "
+                    f"got two supports that fix {name} {where}; allowed: one support for each degree of freedom within "
                     f"{1e6 * MERGE:g} um; remove one of them"
                 )
             fixed[j, k], prescribed[j, k] = True, value

@@ -428,10 +428,10 @@ def _roller_set(rolling: RollingSet, row: RollerRow, structure: Structure, first
     """Return the roller slices of one tapered roller bearing as arrays for the kernels.
 
     ``rolling``: the bearing with its position and housing; ``row``: dimensions of its rollers and raceways;
-    ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the cup.
-    Cone and cup approach each other along the normal of the cup's raceway. The forces of cone raceway and rib on a roller
-    add up to a force on the same line of action (`lowfi.rollers`). ``structure``: shaft and housings, whose motions move
-    cone and cup.
+    ``first_slice``: index of its first slice among the slices of all bearings. The slices lie along the raceway of the
+    cup (outer ring). Cone (inner ring) and cup approach each other along the normal of the cup's raceway. The forces of
+    cone raceway and rib on a roller add up to a force on the same line of action (`lowfi.rollers`). ``structure``:
+    shaft and housings, whose motions move cone and cup.
     """
     n, bearing = structure.nodes.size, tapered_bearing_of_row(row)
     inner = int(np.abs(structure.nodes - rolling.position).argmin())
@@ -610,7 +610,7 @@ def assembly_residual_scale(system: AssemblyArrays) -> ResidualScale:
 
 @dataclass(frozen=True)
 class RollerElements:
-    """The M rollers of all roller bearings, each as one element between a rigid cone and a rigid cup."""
+    """The M rollers of all roller bearings, each as one element between rigid cone (inner ring) and cup (outer ring)."""
 
     #: Shaft node of each roller's cone ``(M,)``.
     cone_nodes: NDArray[np.int64]
@@ -657,8 +657,9 @@ def roller_elements(sets: list[RollerSet]) -> RollerElements:
 def starting_spring_factors_of_rollers(count: int, stiffness: float) -> Array:
     """Return factors S ``(count, 2, 8)`` of the stiffness of linear springs that replace the rollers in the first solve.
 
-    S^T S [N/m] is the stiffness of a spring between cone and cup, at the middle of a roller, against the eight motions of
-    these two rings. `lowfi.statics.response.starting_spring_factors` returns the springs of balls in the same layout.
+    S^T S [N/m] is the stiffness of a spring between cone and cup (inner and outer ring), at the middle of a roller,
+    against the eight motions of these two rings. `lowfi.statics.response.starting_spring_factors` returns the springs
+    of balls in the same layout.
 
     Parameters
     ----------

@@ -347,7 +347,8 @@ def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> N
 def energy_at(given: AxisSystem, state: MotionState, workspace: MotionWorkspace) -> tuple[float, float]:
     """Return the energy [J] of shaft, bodies and rolling elements at the state, and the largest force [N].
 
-    The derivatives of the energy are written to the ``workspace`` (`evaluate_axis`).
+    ``given``: arrays of shaft, bodies, springs, balls and rollers. The derivatives of the energy are written to the
+    ``workspace`` (`evaluate_axis`).
     """
     return evaluate_axis(given, state, workspace.energy_derivatives)
 
@@ -374,7 +375,7 @@ def find_step(
 def reach_of(given: AxisSystem, workspace: MotionWorkspace) -> float:
     """Return the largest relative displacement [m] of two opposite flanks of a ball in the full Newton step.
 
-    The step is taken from the ``workspace``.
+    The step is taken from the ``workspace``. ``given``: arrays of shaft, bodies, springs, balls and rollers.
     """
     balls, largest, shift = given.balls, 0.0, np.zeros((4, 2))
     for i in range(balls.first_bodies.shape[0]):

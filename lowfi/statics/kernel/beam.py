@@ -190,7 +190,7 @@ def evaluate(given: BeamSystem, state: MotionState, out: EnergyDerivatives) -> t
     """Return the energy [J] of a screw's beam and its balls at the state, and the largest force [N] in the model.
 
     The largest force is a load, the force in a beam element, or a contact force. Writes the gradient of the energy and the
-    stiffness matrices of the balls to ``out``.
+    stiffness matrices of the balls to ``out``. ``given``: arrays of the screw as a beam and of its balls.
     """
     beam, contacts = given
     node, B, geometry, closure, r_ball, profile, tiny = contacts
@@ -404,7 +404,10 @@ def slope_along(given: Rows, state: MotionState, workspace: MotionWorkspace) -> 
 
 @kernel
 def reach_of(given: BeamSystem, workspace: MotionWorkspace) -> float:
-    """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1)."""
+    """Return the largest displacement [m] of a groove flank of the screw in the full Newton step (step length 1).
+
+    ``given``: arrays of the screw as a beam and of its balls; the ``workspace`` holds the step.
+    """
     contacts, motion = given.contacts, workspace.step.ravel()
     m, largest, shift = contacts.B.shape[3], 0.0, np.zeros((4, 2))
     for i in range(contacts.first_nodes.shape[0]):
@@ -425,7 +428,11 @@ def save_start(state: MotionState, workspace: MotionWorkspace) -> None:
 
 @kernel
 def move(given: Rows, state: MotionState, workspace: MotionWorkspace, t: float) -> None:
-    """Set the state to the start of the line search plus ``t`` times the Newton step."""
+    """Set the state to the start of the line search plus ``t`` times the Newton step.
+
+    ``given``: arrays of the screw as a beam and of its balls, or of a shaft with several nuts and bearings; the
+    ``workspace`` holds start and step.
+    """
     advance_along_step(given.shaft, state, workspace.q0, workspace.d0, workspace.step, t)
 
 
@@ -521,7 +528,7 @@ def shorten_first_step(
 
 @kernel
 def allocate_workspace(given: BeamSystem, state: MotionState) -> MotionWorkspace:
-    """Return work arrays, of matching shapes, for the Newton iteration on a screw and its balls."""
+    """Return work arrays for the Newton iteration on a screw and its balls, of shapes that fit ``given`` and ``state``."""
     n, band = state.q.shape[0], given.shaft.band
     slopes = EnergyDerivatives(np.empty((n, 6)), np.zeros((state.contact.shape[0], 4, 4)))
     return MotionWorkspace(slopes, band, np.empty(band.shape), np.empty((n, 6)), np.empty((n, 6)), np.empty(state.d.shape))

@@ -484,7 +484,7 @@ def residual_at(
 def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
 
-    The ``workspace`` also holds the present flank motions and forces.
+    The ``workspace`` also holds the present flank motions and forces. ``given``: arrays of bodies, balls and rollers.
     """
     step = workspace.step
     return float(
@@ -496,7 +496,10 @@ def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) 
 
 @kernel
 def reach_of(given: BodySystem, workspace: BodyWorkspace) -> float:
-    """Return the largest relative motion [m] of two opposite flanks of a ball in the full Newton step (step length 1)."""
+    """Return the largest relative motion [m] of two opposite flanks of a ball in the full Newton step (step length 1).
+
+    The ``workspace`` holds the step; ``given`` is not used.
+    """
     return largest_relative_flank_motion(workspace.step.dv)
 
 
@@ -519,6 +522,7 @@ def move(given: BodySystem, state: ForceState, workspace: BodyWorkspace, t: floa
     """Set forces and motions to the start of the line search plus ``t`` times the Newton step.
 
     The results are written to ``state``, and the flank motions to the ``workspace``, which holds start and step.
+    ``given``: arrays of bodies, balls and rollers.
     """
     begin, step = workspace.search_start, workspace.step
     state.phi[:], state.a[:] = begin.phi + t * step.dphi, begin.a + t * step.da
@@ -532,7 +536,7 @@ def finish(given: BodySystem, state: ForceState, options: NewtonOptions, workspa
 
     The motions are known in two ways: summed over all Newton steps, and computed anew from the contact forces as G phi. The
     second have more round-off where the bodies bend much under contact forces that almost cancel. The motions that give the
-    smaller residual are used. The contacts are written to ``state``.
+    smaller residual are used. The contacts are written to ``state``. ``given``: arrays of bodies, balls and rollers.
     """
     v, residual = workspace.v.copy(), residual_at(given, state, options, workspace, 1.0)
     write_flank_motions(given.bodies, state, workspace.g, workspace.v)
