@@ -152,7 +152,8 @@ class RollingSet:
     preload: float = frozen_default(0.0)
     #: Direction of the axial force on the shaft that the rolling set can carry.
     thrust: Thrust = frozen_default("both")
-    #: Name of the housing to which the inner part belongs, such as that of a bearing around a nut; None for the shaft.
+    #: Name of the housing on which the inner part sits, as the inner ring of a bearing around a nut does; None: it sits on
+    #: the shaft.
     carrier: str | None = frozen_default(None)
     #: Friction torque of the seals or wipers [N m].
     seals: float = frozen_default(0.0)

@@ -87,7 +87,7 @@ def graded_coordinates(cell_length: float, fine_length: float, block_edge: float
         count += 1
     steps = growth_ratio ** np.arange(1, count + 1)
     low, high = 0.0, growth_ratio
-    for _ in range(80):  # bisection for the ratio at which the last cell ends at `size`
+    for _ in range(80):  # bisection for the ratio at which the last cell ends at `block_edge`
         ratio = 0.5 * (low + high)
         steps = cell_length * ratio ** np.arange(1, count + 1)
         low, high = (ratio, high) if steps.sum() < room else (low, ratio)

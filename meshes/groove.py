@@ -87,7 +87,7 @@ class GrooveRunOut:
         return cls(np.array(lines), whole, RUN_OUT * ball, m.rg)
 
     def relative_depth(self, line: float, phi: Array) -> Array:
-        """Return the ratio of a groove's depth to its full depth: 1 where it is whole, 0 where no groove is left.
+        """Return the ratio of a groove's depth to its full depth: 1 where the groove is whole, 0 where none is left.
 
         Parameters
         ----------
@@ -301,7 +301,7 @@ class GrooveCrossSection:
         return self.unrolled_coordinates(side, gamma)[:2]
 
     def radius_with_run_out(self, line: float, r: float | Array, phi: Array) -> float | Array:
-        """Return the radius of points on a flank; where the groove ends, it passes into the radius of the land.
+        """Return the radius of points on a flank; where the groove ends, this radius passes into that of the land.
 
         Parameters
         ----------
@@ -381,7 +381,7 @@ def helix_in_plane_coordinates(
 
 
 def azimuth_of_widest_gap(spec: GroovedBodySpec) -> float:
-    """Return the azimuth midway in the widest angular gap between the contacts of a ring, where its faces are cut open.
+    """Return the azimuth midway in the widest angular gap between the contacts of a ring, where its closed faces are cut.
 
     Parameters
     ----------

@@ -140,12 +140,12 @@ class InternalClearance:
 
     radial: float = quantity_field(
         "radial_um",
-        "radial internal clearance P_d of that row: total radial displacement of one ring against the other, with the "
+        "radial internal clearance P_d of the row: total radial displacement of one ring against the other, with the "
         "balls' oversize",
         heading="radial clearance",
     )
     axial: float = quantity_field(
-        "axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of that row", heading="axial clearance"
+        "axial_um", "axial internal clearance P_e = 2 A sin alpha_0 of the row", heading="axial clearance"
     )
     angle: float = quantity_field(
         "rest_angle_deg",

@@ -33,8 +33,8 @@ class QuantityDescription:
     parts: str = ""
     #: Function that converts the field's value (SI units) to the value shown; None: the value is shown unchanged.
     show: Callable[[Any], object] | None = field(default=None, compare=False)
-    #: Expected error of a low-order model for this quantity: field of `compare.models.model_form.ExpectedModelErrors` that
-    #: has it, and a factor on it.
+    #: Expected error of a low-order model for this quantity: name of the field of
+    #: `compare.models.model_form.ExpectedModelErrors` that holds this error, and a factor on the error.
     expected: tuple[str, float] = ("", 0.0)
     #: Text after the value in the table of results; keys in braces are replaced by the values of the record, as in
     #: ``"ball {ball} {side}"``.

@@ -216,7 +216,7 @@ def _conflicting_key_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
         twice = set(h.fix) & h.displace.given.keys()
         if twice:
             advice = f"leave {', '.join(sorted(twice))} out of fix or of displace"
-            yield Fault((f"housings[{i}].fix",), "each freedom once, in fix or in displace", advice)
+            yield Fault((f"housings[{i}].fix",), "each degree of freedom once, in fix or in displace", advice)
     for i, j in enumerate(keys.joints):
         yield from _stiffness_faults(j, f"joints[{i}]")
         if j.springs is None and j.matrix is None:
@@ -500,22 +500,24 @@ def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterat
     for table, housings in tables:
         for i, h in enumerate(housings):
             if h.name in stands and (any(h.force) or any(h.moment)):
-                allowed = "no load on a housing whose six freedoms are all fixed"
-                yield Fault((f"{table}[{i}].force",), allowed, "remove a freedom from `fix`, or leave the load out")
+                allowed = "no load on a housing whose six degrees of freedom are all fixed"
+                yield Fault(
+                    (f"{table}[{i}].force",), allowed, "remove a degree of freedom from `fix`, or leave the load out"
+                )
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
-            advice = "remove a freedom from the housing's `fix`, or leave the set out"
+            advice = "remove a degree of freedom from the housing's `fix`, or leave the set out"
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", advice)
     held = [(s, n) for s in keys.supports for n in s.fixed_freedoms]
     for i, s in enumerate(keys.supports):
         if not s.fixed_freedoms:
             advice = 'write e.g. fix = ["ux", "uy"], or delete the support'
-            yield Fault((f"supports[{i}].fix",), "at least one freedom", advice, "no freedom")
+            yield Fault((f"supports[{i}].fix",), "at least one degree of freedom", advice, "no degree of freedom")
     for k, (s, n) in enumerate(held):
         if any(n == m and abs(s.at - t.at) <= 1e-5 for t, m in held[:k]):
             where = f"supports[{keys.supports.index(s)}].fix"
             advice = f"remove {n} from one of the supports at this position"
-            yield Fault((where,), "each freedom once at each position along the shaft", advice, f"{n} twice")
+            yield Fault((where,), "each degree of freedom once at each position along the shaft", advice, f"{n} twice")
 
 
 # --- arrangements of bearings, such as "DBD"

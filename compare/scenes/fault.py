@@ -65,7 +65,7 @@ class FaultMessage(NamedTuple):
 
 
 def scene_error_of_all_faults(file_name: str, messages: Sequence[FaultMessage]) -> SceneError:
-    """Return one SceneError for all faults of a scene file: its message shows the first one, and it contains the others.
+    """Return one SceneError for all faults of a scene file: its message shows the first one, its attributes the others.
 
     ``file_name``: name of the file; ``messages``: texts of the faults, at least one.
     """

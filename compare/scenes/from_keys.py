@@ -450,10 +450,12 @@ def _case_support_faults(keys: SceneKeys | ShaftSceneKeys, case: LoadCaseKeys, c
         for name in other.displace.given:
             key = f"{case_path}.supports[{j}].displace.{name}"
             if name not in held:
-                allowed = f"a freedom that the scene's support fixes ({', '.join(held) or 'none'})"
+                allowed = f"a degree of freedom that the scene's support fixes ({', '.join(held) or 'none'})"
                 yield Fault((key,), allowed, f"add {name} to fix of the scene's support", name)
             elif (held[name], name) in seen:
-                yield Fault((key,), "each freedom once in a load case", "keep one of the two values", f"{name} twice")
+                yield Fault(
+                    (key,), "each degree of freedom once in a load case", "keep one of the two values", f"{name} twice"
+                )
             else:
                 seen.add((held[name], name))
 

@@ -241,12 +241,12 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
         given += [(name, f"supports[{i}].displace.{name}") for name in support.displace.given]
         if not given:
             advice = 'write fix = ["ux", ...] or displace = { ux = "0 mm" }, or delete the support'
-            yield Fault((f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no freedom")
+            yield Fault((f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no degree of freedom")
         for name, where in given:
             for at, other, first in taken:
                 if other == name and abs(at - support.at) <= MERGE * (1.0 + TOLERANCE):
                     advice = f"keep one of the two: {name} at {length_text(at)} is already fixed by {first}"
-                    allowed = f"each freedom once per position (positions up to {length_text(MERGE)} apart count as one)"
+                    allowed = f"each degree of freedom once per position ({length_text(MERGE)} or less apart count as one)"
                     yield Fault((where,), allowed, advice, f'"{name}" twice')
                     break
             else:

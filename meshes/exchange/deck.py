@@ -170,7 +170,7 @@ def check_names(names: Sequence[str]) -> None:
 
 
 def cells_and_numbers_of_faces(cells: Index, corners: Index) -> Index:
-    """Return, for each face of a mesh, the cell to which it belongs and its number in that cell.
+    """Return, for each face of a mesh, the cell to which it belongs and the face's number in that cell.
 
     Parameters
     ----------

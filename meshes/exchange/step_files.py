@@ -191,7 +191,7 @@ def _flank_section_coordinates(scene: Scene, side: int, gamma: Array) -> Array:
 
 
 def apex_section_angle(scene: Scene, side: int) -> float:
-    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank, at the groove's apex."""
+    """Return the section angle [rad] at which the flank ``side`` (0 to 3) meets the other flank of its groove (apex)."""
     drawn = draw_geometry_with_errors(scene, ball_layout(scene))
     return asin(-float(drawn.groove_centres[0, side, 1]) * SIDE_SIGNS[side][1] / float(drawn.groove_radii[side]))
 

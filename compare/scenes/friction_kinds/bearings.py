@@ -425,7 +425,7 @@ def _linear_ball_faults(keys: LinearPairKeys | LinearChainKeys) -> Iterator[Faul
 def allowed_side_force_ratios(
     contact_angles: Array, nominal_contact_angle: float, distribution: Loads
 ) -> tuple[float, float]:
-    """Return the smallest and largest ratio of side force to vertical force for which no contact of a ball is in tension.
+    """Return the smallest and largest ratio of side to vertical force on a ball for which no contact is in tension.
 
     ``contact_angles``: contact angles (4,) [rad] at bottom left, bottom right, top right and top left;
     ``nominal_contact_angle``: nominal contact angle [rad]; ``distribution``: how the contact loads follow from the forces,
