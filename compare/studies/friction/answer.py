@@ -51,14 +51,14 @@ WHOLE = (
 #: Further effects neglected at one instant, by two Booleans: whether friction moves the balls, and whether neighbouring
 #: balls push each other.
 BESIDES = {
-    (False, False): ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
+    (False, False): ("movement of a ball across its grooves by friction", "contact between balls at the scene's instant"),
     (True, False): ("contact between balls at the scene's instant",),
     (False, True): (
-        "friction, and forces between balls, that move a ball across its grooves",
+        "movement of a ball across its grooves by friction and by forces between balls",
         "forces between balls in the balance of contact loads",
     ),
     (True, True): (
-        "forces between balls, and what they change of friction, that move a ball across its grooves",
+        "movement of a ball across its grooves by forces between balls, and by the friction that they cause",
         "forces between balls in the balance of contact loads",
     ),
 }
@@ -86,7 +86,7 @@ _JAMMED = "a second, jammed state of a ball, which may exist at high coefficient
 #: Further neglected effects of a screw, by the scene's word for the balance of loads that includes friction.
 _COUPLING = {
     "none": (_LOADS_GIVEN,),
-    "ball": ("friction in the balance of loads on the screw: it moves the balls only",),
+    "ball": ("friction in the balance of loads on the screw: friction moves the balls only",),
     "ball and screw": (),
 }
 
@@ -500,10 +500,10 @@ def coefficient_columns(kind: str) -> tuple[Column, ...]:
         return first
     return (
         *first,
-        ("forward_torque_Nmm", "forward N mm", ".6g"),
-        ("backward_torque_Nmm", "backward N mm", ".6g"),
+        ("forward_torque_Nmm", "driving torque forward N mm", ".6g"),
+        ("backward_torque_Nmm", "braking torque backward N mm", ".6g"),
         ("efficiency_forward_percent", "efficiency forward %", ".2f"),
-        ("efficiency_backward_percent", "backward %", ".2f"),
+        ("efficiency_backward_percent", "efficiency backward %", ".2f"),
         ("self_locking", "self-locking", "s"),
     )
 

@@ -316,14 +316,14 @@ def _answer_on_shaft(
     every = [("per ball", (("set", "set", "s"), *answer.BALL_COLUMNS), flat)]
     of_balls = (
         "torque",
-        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s in its "
-        f"sets of balls; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm",
+        f"{torque['driving_torque_on_screw_Nmm']:+.3g} N mm about +z drive the shaft at {motion.speed:.6g} rad/s at its "
+        f"ball nuts and ball bearings; their friction torque {format_three_digits(torque['friction_torque_Nmm'])} N mm",
     )
     left = answer.line_on_remaining_imbalance(
         result.solver.residual, max((x.ball_friction.largest_imbalance_ratio for _, _, x in solved), default=0.0)
     )
     lines = [*([of_balls] if solved else []), left]
-    tables = [("sets of balls, by friction in their contacts", SET_COLUMNS, rows)] if solved else []
+    tables = [("ball nuts and ball bearings: friction of their contacts", SET_COLUMNS, rows)] if solved else []
     whole = [
         {k: format_range(x[k]) if form == "s" and k.endswith("Nmm") else x[k] for k, _, form in DRIVE_COLUMNS}
         for x in (drive or {}).get("sets", ())

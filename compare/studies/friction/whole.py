@@ -430,7 +430,7 @@ def solve_friction_of_screw_or_bearing(
         states = [cached_friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     except ValueError as error:  # balls that overlap by their random sizes
         raise SceneNotCoveredError(
-            scene.name, "balls", str(error), "increase the angles between the balls, or set neighbours = false"
+            scene.name, "balls", str(error), "increase the angles between the balls, or set friction.neighbours = false"
         ) from error
     if states[0].all_balanced and monotonic() - begin > FIRST:
         say(

@@ -243,7 +243,7 @@ def error_of_linear_friction_force(axis_ratio: ArrayLike, force_slope: ArrayLike
     """
     if not 0.0 < reach <= 1.0:
         raise ValueError(
-            f"the largest distance c of the centre of rotation over the semi-axis a must lie in (0, 1], got {reach}: only "
+            f"the largest c/a (distance c of the centre of rotation, semi-axis a) must lie in (0, 1], got {reach}: only "
             "for rotation about a point of the contact ellipse is the friction force a cubic of c/a"
         )
     start = linear_friction_force_factor(axis_ratio)

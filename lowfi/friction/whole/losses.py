@@ -156,7 +156,7 @@ def ball_friction(
         The speed of screw and nut is zero.
     """
     if drive.speed == 0.0:
-        raise ValueError("the speed of screw or nut must not be zero, because friction at rest is not determined")
+        raise ValueError("screw or nut must turn: the speed is zero, and friction at rest is not determined")
     count = contacts.force.shape[0]
     loaded = np.flatnonzero(contacts.force.sum(axis=1) > 0.0)
     pressed = contacts.subset(loaded)
