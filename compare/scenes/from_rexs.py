@@ -458,7 +458,7 @@ def _components_attached_to_shaft(model: RexsModel, shaft: RexsComponent, type: 
 
 
 def _support_table(reader: RexsConversion, bearing: RexsComponent) -> Table:
-    """Return the scene-file table of a rigid support for a REXS concept bearing (no geometry); empty if it bears no load."""
+    """Return the scene-file table of a rigid support for a REXS concept bearing (one without geometry), or an empty one."""
     fix = ["ux", "uy"] if bearing.attributes.get("radial_force_absorption") else []
     fix += ["uz"] if bearing.word("axial_force_absorption") == "both_directions" else []
     fix += ["rx", "ry"] if (bearing.number("bending_stiffness") or 0.0) >= RIGID else []

@@ -137,7 +137,7 @@ class MaterialKeys(SceneFileTable):
     @field_validator("youngs_modulus")
     @classmethod
     def _check_modulus(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """Return Young's modulus, or raise an error if no solid has it as modulus (a wrong unit) and ``unusual`` is false."""
+        """Return Young's modulus, or an error if no solid has such a modulus (a wrong unit) and ``unusual`` is not true."""
         if value is None or SOLIDS[0] <= value <= SOLIDS[1] or info.data.get("unusual"):
             return value
         allowed = f"{1e-9 * SOLIDS[0]:g} GPa to {1e-9 * SOLIDS[1]:g} GPa"

@@ -136,7 +136,7 @@ def _dominant_left_singular_vectors(traces: Array, least: float) -> Array:
 
 
 def rigid_motions_of_patch(patch: CondensedPatch) -> tuple[Array, Array]:
-    """Compute six independent rigid motions of a fine patch, as displacements of its contact and its refinement box.
+    """Compute six independent rigid motions of a fine patch, as displacements of its contact and of the box it fills.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def convert_mesh_order(mesh: Mesh, element_type: str) -> Mesh:
 def assemble_body_stiffness(
     mesh: Mesh, sockets: Sequence[BodySocket], patches: dict[int, CondensedPatch], young: float, poisson: float
 ) -> sp.csc_array:
-    """Assemble the stiffness of a coarsely meshed body with condensed fine patches in its refinement boxes.
+    """Assemble the stiffness of a coarsely meshed body with condensed fine patches in the refinement boxes at its contacts.
 
     Parameters
     ----------

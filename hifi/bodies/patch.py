@@ -191,7 +191,7 @@ def mesh_hexahedral_patch(
     map_to_space: Callable[[Array], Array],
     socket: RefinementBoxFaces,
 ) -> PatchMesh:
-    """Mesh the patch around a contact with 27-node hexahedra, and tie it to its refinement box in the coarse mesh.
+    """Mesh the patch around a contact with 27-node hexahedra, and tie it to the box that it fills in the coarse mesh.
 
     The nodes of that boundary (interface) are moved onto the refinement box's second-order triangles, so that rigid motions
     of the refinement box cause no strain.
@@ -241,7 +241,7 @@ def mesh_hexahedral_patch(
 def fit_tetrahedral_patch(
     local: TetrahedralPatchMesh, map_to_space: Callable[[Array], Array], socket: RefinementBoxFaces
 ) -> PatchMesh:
-    """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to its refinement box.
+    """Map a box of first-order tetrahedra into space as the patch around a contact, and tie it to the coarse mesh.
 
     The coarse body may be of first or second order. The area of a contact node is a third of the area of the triangles
     around it. See `mesh_hexahedral_patch` for hexahedra.
@@ -397,7 +397,7 @@ def _map_nodes_into_socket(
 
     ``xi``: local coordinates of the nodes (n, 3); ``map_to_space``: function that maps them to points [m]; ``linear``: as
     for `socket_interpolation_matrix`. Returned are the points (n, 3) [m], the indices of the interface nodes, the weights
-    that interpolate them from the refinement box's k nodes, and the points of the refinement box's nodes (k, 3) [m].
+    that interpolate them from the refinement box's k nodes, and the points of these box nodes (k, 3) [m].
     """
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
@@ -408,7 +408,7 @@ def _map_nodes_into_socket(
 
 
 def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear: bool = False) -> sp.csr_array:
-    """Return the weights that interpolate points on the inner faces of a refinement box from the refinement box's nodes.
+    """Return the weights that interpolate points on the inner faces of a refinement box from the nodes of the box.
 
     Parameters
     ----------
