@@ -351,7 +351,7 @@ def solve_by_lin_equations(
     everything
         Whether to model also the ends of the shaft that carry no load.
     member
-        Number of the specimen, for a scene with random errors.
+        Number of the specimen, for a scene with random manufacturing errors.
     tolerance
         Relative residual at which the iteration ends.
 
@@ -413,7 +413,7 @@ def solve_lin_equations_as_static_result(scene: Scene, *, everything: bool = Fal
     everything
         Whether to model also the ends of the shaft that carry no load.
     member
-        Number of the specimen of a scene with random errors.
+        Number of the specimen of a scene with random manufacturing errors.
     """
     scene = scene_with_error_free_hertz(scene)
     layout = ball_layout(scene)

@@ -223,9 +223,9 @@ def complete_elliptic_integrals(k: Array) -> tuple[Array, Array, Array]:
 def hertz_constants(curvature_1: Array, curvature_2: Array, modulus: float | Array) -> HertzConstants:
     """Return the constants of elliptical Hertz contact for given relative principal curvatures.
 
-    With the largest pressure p0, the semi-axes a >= b and the halved relative curvatures A <= B: p0 a b R_D(0, a^2, b^2)/(3
-    E*) = B, the same for A with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*. Valid for semi-axes small
-    against the radii of curvature, without friction and plastic deformation.
+    With the largest pressure p0, the semi-axes a >= b and the halved relative curvatures A <= B,
+    p0 a b R_D(0, a^2, b^2)/(3 E*) = B, the same for A with a and b exchanged, and approach = p0 a b R_F(0, a^2, b^2)/E*.
+    Valid for semi-axes small against the radii of curvature, without friction and plastic deformation.
 
     Parameters
     ----------

@@ -560,7 +560,8 @@ def check(
     scene
         Scene, its name or the path of its file.
     max_error
-        Largest permitted error of a contact load [% of the mean load]; None: the limit that the scene states, or 7.
+        Largest permitted error of a contact load [% of its reference load; of the mean load for loads below a tenth of
+        the mean]; None: the limit that the scene states, or 7.
     model
         Name of the model whose loads are judged, as for `solve`.
     loads

@@ -280,9 +280,9 @@ def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: floa
 
 
 def check_published_entries(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
-    """Check the published numbers and claims of the classes hard, as-printed and input (`printed.CLASSES`).
+    """Check those published numbers and claims that the program must reproduce: classes hard, as-printed and input.
 
-    Entries without a computed value are left out. ``max_error``: upper limit of the error [%].
+    `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of the error [%].
     """
     gated = [
         e

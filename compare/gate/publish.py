@@ -71,7 +71,7 @@ class VerdictFileRow:
     flank: str = ""
     #: Further explanation.
     note: str = ""
-    #: For the balls next to this contact: number of the ball, judged load, reference load and its uncertainty [N].
+    #: For each ball next to this contact: number of the ball, judged load, reference load, uncertainty of the latter [N].
     neighbouring_loads: tuple[tuple[int, float, float, float], ...] = ()
 
     @property

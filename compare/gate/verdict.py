@@ -127,7 +127,7 @@ class Verdict:
     unit: str = "%"
     #: Key of the quantity, its judged value and its value in the reference; None for contact loads.
     pair: tuple[str, float, float] | None = None
-    #: For the balls next to this contact: number of the ball, judged load, reference load and its uncertainty [N].
+    #: For each ball next to this contact: number of the ball, judged load, reference load, uncertainty of the latter [N].
     near: tuple[tuple[int, float, float, float], ...] = ()
 
     @property

@@ -492,9 +492,11 @@ def mean_distance_of_rib_pressure(a: Array, b: Array, height: float) -> Array:
 
 
 def roller_speed_ratios(bearing: TaperedBearing) -> tuple[float, float]:
-    """Return the angular speeds of a roller relative to the cone, then relative to the cup, by eq. (5) of this module.
+    """Return the angular speeds of a roller relative to the cone, then relative to the cup.
 
-    Both are ratios to the angular speed of the rings relative to each other. ``bearing``: geometry of the row of rollers.
+    Both are ratios to the angular speed of the rings relative to each other: sin(alpha)/sin(2 gamma) for the cone,
+    sin(alpha - 2 gamma)/sin(2 gamma) for the cup, with the half angles alpha of the cup and gamma of the roller.
+    ``bearing``: geometry of the row of rollers.
     """
     over = float(np.sin(2.0 * bearing.roller_angle))
     return float(np.sin(bearing.cup_angle)) / over, float(np.sin(bearing.cone_angle)) / over

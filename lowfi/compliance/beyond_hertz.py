@@ -48,7 +48,9 @@ def sphere_series_coefficients(n: Array, poisson: float) -> Array:
 
 
 def sphere_series_expansion(poisson: float) -> tuple[float, float]:
-    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) of a sphere's series.
+    """Return the constants A = 2 (1 - nu) and B of the expansion c_n = A/n + B/n^2 + O(n^-3) of Lur'e's coefficients.
+
+    The coefficients are those of `sphere_series_coefficients`.
 
     ``poisson``: Poisson's ratio nu.
     """

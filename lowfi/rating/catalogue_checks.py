@@ -153,7 +153,9 @@ def _support_fixes(support: Support, *names: str) -> bool:
 def buckling_load_and_critical_speed(
     length: float, ends: tuple[str, str], root: float, bore: float, modulus: float
 ) -> tuple[float, float]:
-    """Return Euler's buckling load and the critical speed of a steel shaft by eqs. (1) and (2) of this module.
+    """Return Euler's buckling load and the critical speed of a steel shaft.
+
+    They are c pi^2 E I/L^2 and (lambda/L)^2 sqrt(E I/(rho A)), with factors c and lambda by the supports of both ends.
 
     Parameters
     ----------

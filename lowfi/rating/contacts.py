@@ -428,7 +428,9 @@ def permissible_contact_force(scene: Scene) -> float:
 
 
 def static_rating(scene: Scene) -> float:
-    """Return the basic static load rating C_0 of a ball screw or ball bearing by eq. (2) of this module.
+    """Return the basic static load rating C_0 of a ball screw or ball bearing.
+
+    With Z balls and the permissible contact force Q_0 it is Z Q_0 sin(alpha) cos(phi), or Z Q_0 cos(alpha)/5 if radial.
 
     Parameters
     ----------

@@ -263,7 +263,9 @@ def ball_reference_life(scene: Scene, life: BasicRatingLife | None) -> Reference
 
 
 def edge_stress_factors(laminae: int) -> Array:
-    """Return the edge-stress factors f_k of the laminae of a roller (ISO/TS 16281), by eq. (4) of this module.
+    """Return the edge-stress factors f_k of the laminae of a roller (ISO/TS 16281).
+
+    Lamina k of n_s laminae has the factor f_k = 1 - 0.01/ln(1.985 |2 k - n_s - 1|/(2 n_s - 2)).
 
     Parameters
     ----------

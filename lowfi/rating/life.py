@@ -360,7 +360,9 @@ def dynamic_rating(scene: Scene) -> float:
 
 
 def basic_rating_life(scene: Scene, load: Array) -> BasicRatingLife | None:
-    """Return the basic rating life of a ball screw or ball bearing under given contact loads, by eq. (1) of this module.
+    """Return the basic rating life of a ball screw or ball bearing under given contact loads.
+
+    It is (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10), with capacity Q_c and equivalent contact load Q_e of a raceway.
 
     Parameters
     ----------

@@ -98,7 +98,9 @@ def approach_per_displacement(scene: Scene) -> float:
 
 
 def displacement_by_contacts_only(scene: Scene, force: float) -> float:
-    """Return the axial displacement of a nut or bearing by deformation of the contacts only [m], by eq. (1) of this module.
+    """Return the axial displacement of a nut or bearing by deformation of the contacts only [m].
+
+    Equal balls lie between rigid bodies at the nominal contact angle; see eq. (1) of this module.
 
     Parameters
     ----------

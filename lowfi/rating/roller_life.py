@@ -146,7 +146,9 @@ def dynamic_and_static_ratings_of_row(row: RollerRow) -> Ratings:
 
 
 def basic_rating_life_of_row(row: RollerRow, line_loads: Array) -> BasicRatingLife | None:
-    """Return the basic rating life of a row of tapered rollers under given line loads, by eq. (3) of this module.
+    """Return the basic rating life of a row of tapered rollers under given line loads.
+
+    The damage of every slice of every race adds up, see eq. (3) of this module.
 
     Parameters
     ----------
