@@ -43,12 +43,12 @@ from rollbench.reports.content import Cell, Figure, Panel, Section, Series, Tabl
 
 #: Titles of the tables, by name of the printed table.
 TITLES = {
-    "external-masta": "Deep-groove ball bearing: displacement and life by the program MASTA and computed",
-    "external-nsk": "Contact of one ball of a screw-support bearing: by NSK's programs and computed",
+    "external-masta": "Deep-groove ball bearing: displacement and life, computed, and by the program MASTA",
+    "external-nsk": "Contact of one ball of a screw-support bearing: computed, and by NSK's programs",
     "external-harris": "Textbooks' 218 angular-contact bearing under thrust: published and computed",
-    "external-sjovall": "Bearing with a load zone of half the circumference: load distribution by Sjövall and computed",
+    "external-sjovall": "Bearing with a load zone of half the circumference: load distribution, computed, and by Sjövall",
     "external-contact": "Rolling contact with creepage and spin: computed values and those of the program CONTACT",
-    "external-vm63": "Elastic sphere on a rigid plane (Ansys's verification case 63): contact radius",
+    "external-vm63": "Elastic sphere on a rigid plane (Ansys's verification case 63): published and computed radius",
     "external-snfa": "Preloaded bearing pair of SNFA's catalogue: printed and computed rigidity and lift-off load",
     "external-gmn": "Preloaded bearing pairs from GMN's catalogue: printed and computed stiffness",
     "external-thk": "Ball nuts of THK and HIWIN: printed and computed rigidity and drag torque",
@@ -254,12 +254,12 @@ def make_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sectio
     text = (
         (
             "Values from neither this project nor the publications of its models: other programs, makers' "
-            "catalogues, textbooks. Each is judged by its class; the inputs that had to be assumed are in the last "
-            "table."
+            "catalogues, textbooks. Each value is judged by the class of its entry; the last table lists the assumed "
+            "inputs."
         ),
         (
-            "With one conformity inferred for the whole series, the rigidities of GMN's catalogue are met to "
-            f"{inferred:g} % RMS; one of them is an error of the catalogue."
+            "With one conformity inferred for the whole series, the rigidities of GMN's catalogue are "
+            f"met to {inferred:g} % RMS; one printed rigidity is an error of the catalogue."
         ),
     )
     items: tuple[Text | Figure | Table, ...] = (
@@ -473,9 +473,9 @@ def flange_bolts_sentence() -> str:
                 f"most {off.max_percent:.2f} % of it ({off.rms_percent:.2f} % RMS), the rigidity by {stiff:+.2f} %"
             )
     head = (
-        f"{BOLTS} bolts (circles as wide as the annulus) that fix the flange instead of its whole face change in {THREE} "
+        f"{BOLTS} bolts (circles as wide as the annulus) that fix the flange instead of its whole face change, in {THREE}, "
     )
-    return head + "; ".join(words) + "." if words else f"Single bolts were not solved in {THREE}."
+    return head + "; ".join(words) + "." if words else f"Flanges fixed by single bolts were not solved in {THREE}."
 
 
 def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
@@ -501,7 +501,7 @@ def mesh_uncertainty_sentence(rows: list[dict[str, Cell]]) -> str:
         return sentence
     most = {column: f"{max(values):.2f}" for column, values in moved.items()}
     return (
-        f"{sentence} Where two levels were solved, the finer one alters the changes against the left face by at most "
+        f"{sentence} Where two mesh levels were solved, the finer one alters the changes against the left face by at most "
         f"{most['load_change']} points (largest load), {most['life_change']} (life), {most['rigidity_change']} (rigidity), "
         f"the rigidity itself by {most['rigidity']} %."
     )
@@ -544,7 +544,7 @@ def fixation_section(cache: SceneResultCache, step: Callable[[str], None]) -> Se
     }
     bent = [float(x["share"] or 0.0) for x in rows if x["by"] == DEFAULT and str(x["held"]).startswith("flange, outer")]
     conclusion = (
-        "If the nut is fixed at another surface than its left face, its largest contact load changes by "
+        "Fixing the nut at another surface than its left face changes its largest load by "
         f"{model_column_range_in_words(rows, 'load_change')} %, "
         "its life by "
         f"{model_column_range_in_words(rows, 'life_change')} % and its axial rigidity by "

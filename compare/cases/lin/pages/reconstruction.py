@@ -277,8 +277,9 @@ def origin_of_error_paragraph(found: list[combined.CombinationResult]) -> str:
     return (
         f"Where does 5.38 % come from? It is not identified. Printed are errors of {_errors_in_words(printed)}, "
         f"largest / RMS, and a "
-        f"ratio of about {combined.printed_load_ratio():g} in both models. Two explanations come near, and each misses "
-        f"some of it. The interpretations nearest to the ratio ({combination_in_words(near.low_order_combination)}; "
+        f"ratio of largest to smallest load of about {combined.printed_load_ratio():g} in both models. Two explanations "
+        "come near, and each misses a part. The interpretations nearest to this ratio "
+        f"({combination_in_words(near.low_order_combination)}; "
         f"{combination_in_words(near.combination_in_3d)}) have {_ratios_and_errors_in_words(near)}. "
         "Contacts of the 3D model that a penalty makes softer, all else by default, have a ratio of "
         f"{_first_to_last_in_words([c.load_ratio_in_3d for c in soft], 3)} with {soft[0].low_order_load_ratio:.3f} in the "
@@ -336,12 +337,12 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
         combined.largest_over_smallest_load(combined.required_loads_in_3d(cache, FINER, level)[0]) for level in levels
     ]
     return (
-        "The one thing that the text prints of the contacts is their formulation, an augmented Lagrangian, with all other "
-        "settings by default. It leaves a penetration below a tolerance, as a penalty does: the contacts are softer. Size "
-        "of the penalty and tolerance are not printed. Computed in 3D as a compliance in series at every pair of nodes, it "
-        f"makes a contact softer under the mean load by the following shares of its stiffness: {sizes}. The next mesh "
-        f"level changes the errors with {FINER[0].description} by {np.abs(fine - coarse).max():.2f} points at most and "
-        "the ratio "
+        "Of the contacts, the text only prints their formulation, an augmented Lagrangian, with all other settings by "
+        "default. This formulation leaves a penetration below a tolerance, as a penalty does, so that contacts are softer. "
+        "Size of the penalty and tolerance are not printed. In 3D, the penalty is computed as a compliance in series at "
+        "every pair of nodes. Under the mean load, the stiffness of a contact is lower by the following fractions: "
+        f"{sizes}. The next mesh level changes the errors with {FINER[0].description} by "
+        f"{np.abs(fine - coarse).max():.2f} points at most and the ratio "
         f"from {ratios[0]:.3f} to {ratios[1]:.3f}."
     )
 
@@ -367,11 +368,11 @@ def mesh_scatter_paragraph(cache: SceneResultCache, found: list[combined.Combina
     chances = ", ".join(f"{s:g} %: {100.0 * p:.1f} %" for s, p in odds.items())
     return (
         f"From case 1 to case 2 the printed largest error falls by {falls:.2f} and the RMS rises by {rises:.2f} points. "
-        "With the interpretations nearest to the ratio one oversize ball changes both models alike. Tetrahedra of about "
-        f"0.08 mm make a contact {-combined.BIAS:g} % too stiff, and its approach scatters by {combined.SCATTER:g} % from "
-        "mesh to mesh. Were both cases meshed apart, half of that fall and rise had the following probability by scatter "
-        f"of the approach: {chances}. The scatter of the mesh explains it only where it is several times what is measured "
-        "on one contact."
+        "With the interpretations nearest to the load ratio, one oversize ball changes both models alike. Tetrahedra of "
+        f"about 0.08 mm make a contact {-combined.BIAS:g} % too stiff, and its approach scatters by {combined.SCATTER:g} % "
+        "from mesh to mesh. If both cases have different meshes, half of this fall and of this rise occurs with the "
+        f"following probability, for each scatter of the approach: {chances}. The mesh explains fall and rise only if this "
+        "scatter is several times the one measured on one contact."
     )
 
 
@@ -397,15 +398,15 @@ def friction_in_3d_paragraph(cache: SceneResultCache) -> str:
     )
     slope = float(np.abs(cache.solve_once(scene, "lin").centreline[:, 3:5]).max())
     return (
-        f"Friction of {MU:g} is computed, too. Two forces act on a ball, on the line through its contacts. One that rolls "
-        "feels friction only where it stands beside the line of its arcs' centres, and that shifts both forces and turns "
-        f"neither. All balls as far off as {MU:g} can hold them change no load by more than {most:.3f} % of the mean and "
-        f"the ratio by {moved['off-line']:+.3f} %; only those by which the ratio rises, by {worst:+.1f} % (low order). "
-        f"For that the grooves would have to tilt by {1e3 * tilt_at_onset_of_sliding(scene):.1f} mrad against each "
-        f"other, and "
-        f"the shaft's largest slope is {1e3 * slope:.2f} mrad: balls that roll feel next to nothing of it. In a model "
-        f"whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load where "
-        f"the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it is let back; the ratio changes by "
+        f"Friction of {MU:g} is computed, too. Two contact forces act on a ball, along the line through its contacts. On a "
+        "rolling ball friction acts only if the ball lies beside the line through the arcs' centres; it shifts both forces "
+        f"and turns neither. If all balls lie as far beside as {MU:g} can hold them, they change "
+        f"no load by more than {most:.3f} % of the mean and the ratio by {moved['off-line']:+.3f} %; only those that raise "
+        f"the ratio change it by {worst:+.1f} % (low order). "
+        f"For this, the grooves would have to tilt by {1e3 * tilt_at_onset_of_sliding(scene):.1f} mrad against each "
+        f"other, but the shaft's largest slope is {1e3 * slope:.2f} mrad: friction hardly acts on rolling balls. In a "
+        f"model whose balls cannot turn, grooves slide on them. Friction then bears {-mean['sliding']:.2f} % of the load "
+        f"where the screw is pushed on, and adds {mean['sliding-back']:.2f} % where it moves back; the ratio changes by "
         f"{moved['sliding']:+.2f} and {moved['sliding-back']:+.2f} %, less than the 0.5 % from which interpretations "
         f"are combined."
     )
@@ -514,7 +515,7 @@ def single_interpretation_table(found: list[combined.CombinationResult]) -> Tabl
         rows.append(row | _ratio_cells_and_errors_by_definition(c))
     return Table.from_rows(
         "reconstruction-alone",
-        "Largest over smallest load, and model errors (Lin 2.4.1) for each interpretation of Lin's text",
+        "Largest over smallest load, and model errors (Lin 2.4.1), for each interpretation of Lin's text alone",
         rows,
     )
 

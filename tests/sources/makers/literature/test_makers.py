@@ -155,7 +155,7 @@ def test_all_values_and_their_table() -> None:
 def test_section_says_its_conclusion_first() -> None:
     found = page.make_section(STUDY, lambda _: None)
     judged = [x for x in page.all_published_values(STUDY) if not x.left]
-    assert found.conclusion.startswith(f"Of {len(judged)} values")
+    assert found.conclusion.startswith(f"Of {len(judged)} published values")
     assert "1020: a formula in disguise" in found.items[1].note
 
 
