@@ -220,7 +220,7 @@ def _pooled_uncertainties(data: Array, h: Array) -> Array:
 
 
 def _check_values_and_cell_sizes(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
-    """Check values and cell sizes of several mesh levels, and return both as arrays.
+    """Check values and cell sizes of several mesh levels, and return them as arrays.
 
     Returns the values of m quantities (levels, m), then the cell sizes relative to the finest (levels,).
 

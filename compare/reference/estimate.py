@@ -388,7 +388,7 @@ def read_lip_compliance(store: Path) -> LipCompliance:
 
 
 def excess_load_near_faces(scene: Scene, load: Array, level: int) -> Array:
-    """Return upper bounds of the excess of contact loads near free faces of the nut on a mesh level, (n, 4) [N].
+    """Return upper bounds on how much a mesh level overestimates contact loads near free faces of the nut, (n, 4) [N].
 
     ``load``: contact loads (n, 4) [N] of the level.
     """

@@ -78,9 +78,9 @@ Change = Callable[[Scene], Scene]
 #: Kind of a choice. "modelling": an idealisation, or a dimension that Lin's thesis does not state; "numerical": a choice of
 #: method or mesh; "scene": another boundary condition, which the scene must state.
 Kind = Literal["modelling", "numerical", "scene"]
-#: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of both
-#: compliances (`hifi.shaft.section.EquivalentBeam.axial_torsional_coupling`, tests/unit/hifi/test_helical_section.py) [1].
-#: The beams that continue the 3D part of the shaft neglect this coupling.
+#: Bound on the axial-torsional coupling of a grooved shaft: its twist by an axial force over the geometric mean of axial
+#: and torsional compliance (`hifi.shaft.section.EquivalentBeam.axial_torsional_coupling`,
+#: tests/unit/hifi/test_helical_section.py) [1]. The beams that continue the 3D part of the shaft neglect this coupling.
 COUPLING = 0.02
 
 

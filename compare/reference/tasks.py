@@ -49,7 +49,7 @@ def stations_of_load_cases(*cases: Solvable) -> tuple[float, ...]:
 
 
 def ball_slices_by_set(described: Solvable) -> list[slice]:
-    """Return for each nut or bearing on a shaft the slice of its balls among the balls of all of them."""
+    """Return, for each nut or bearing on a shaft, the slice of its balls in the list of all balls on the shaft."""
     sets = [described] if isinstance(described, Scene) else [s.parts for s in described.sets if isinstance(s.parts, Scene)]
     ends = np.cumsum([0, *(scene.ball_count for scene in sets)])
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]

@@ -399,7 +399,7 @@ class BallContactState:
     active_pairs: Flags
     #: Factor of the compliance between the active pairs; None: not yet computed.
     compliance_factor: BallComplianceFactor | None
-    #: Contact energy psi of the ball [J], as defined in this module.
+    #: Contact energy of the ball [J]: -min (1/2 l^T D l + g^T l) over its contact forces l >= 0, with its gaps g.
     contact_energy: float
 
 
@@ -452,16 +452,16 @@ def solve_contacts_of_one_ball(
 
 
 class NewtonFactor(NamedTuple):
-    """Factorised equations of one Newton step for all balls; unknowns: modal forces w and rigid motions y (see module)."""
+    """Factorised equations of one Newton step for all balls; unknowns: modal forces w and rigid motions y."""
 
-    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with
-    #: M = U^T D^-1 U = R R^T.
+    #: For every ball in contact: the slice c of its amplitudes in w, and the low-rank factor R ``(c, rank)`` with U^T D^-1
+    #: U = R R^T, where D is the compliance of its contact pairs and U their coupling modes.
     low_rank_factors: list[tuple[slice, Array]]
     #: Index of the first column of each ball's R among the columns of all balls.
     column_starts: list[int]
-    #: T ``(sum of ranks, number of rigid motions)`` with U^T D^-1 N = R T.
+    #: T ``(sum of ranks, number of rigid motions)`` with U^T D^-1 N = R T; N: gaps closed by unit rigid motions.
     motion_coefficients: Array
-    #: Lower Cholesky factor of I + R^T G R.
+    #: Lower Cholesky factor of I + R^T G R; G: compliance between the coupling modes.
     inner_cholesky_factor: Array
     #: LU factor and pivots of the equations of the rigid motions.
     motion_lu_factor: tuple[Array, Indices]
@@ -545,7 +545,7 @@ class SolverState:
 
 
 class _ContactEnergyProblem:
-    """Contact problem of all balls as the minimum of the energy Phi of this module: values, residuals, Newton equations.
+    """Contact problem of all balls as the minimum of an energy Phi: values, residuals, Newton equations.
 
     C: compliance of n contact pairs; ``gap``: gaps of the undeformed bodies (n,) [m]; N: gaps closed by a unit of each of k
     rigid motions (n, k); f: loads on them (k,) [N, N m]; ``balls``: contact states to start from, or None.
@@ -660,9 +660,10 @@ def solve_contacts_of_all_balls(
     touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
 ) -> tuple[ContactResult, SolverState]:
-    """Solve the unilateral contact of all balls, eq. (1) of this module, for contact forces, gaps and rigid motions.
+    """Solve the unilateral contact of all balls for contact forces lambda, gaps g and rigid motions y.
 
-    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. If there is no
+    The equations are g = g0 + C lambda - N y >= 0, lambda >= 0, lambda_i g_i = 0 at each pair, and N^T lambda = f. The
+    residual is the unbalanced force (and the mismatch of the modal forces) over the largest force on a ball. If there is no
     equilibrium, the status says that the solution did not converge.
 
     Parameters

@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from rollbench.meshes.arrays import Array, Index
 
 Flags = NDArray[np.bool_]
-#: Function that returns f ``(k,)`` [N] of eq. (2) of this module and df/dy ``(k, k)``, at motions y ``(k,)``.
+#: Function that returns the forces f ``(k,)`` [N] on the k motions besides friction, and df/dy ``(k, k)``, at motions y
+#: ``(k,)``.
 Balance = Callable[[Array], tuple[Array, Array]]
 
 #: Creeping speeds over the largest slip by which Coulomb's law is smoothed one after the other, and number of Newton's
@@ -84,21 +85,21 @@ class FrictionSolution:
     steps: int
     #: "converged", or the reason why the solution did not converge.
     status: str
-    #: Largest violation of eqs. (1) and (2) of this module, over the largest bound.
+    #: Largest violation of Coulomb's law, as a force, and of equilibrium, over the largest friction limit.
     residual: float
     #: For every contact, whether each cell sticks ``(n,)``.
     stick: list[Flags]
 
     @property
     def converged(self) -> bool:
-        """Whether Coulomb's law and equilibrium, eqs. (1) and (2) of this module, are satisfied."""
+        """Whether Coulomb's law and equilibrium are satisfied."""
         return self.status == "converged"
 
 
 def keep_prescribed_motions(y: Array) -> tuple[Array, Array]:
     """Return trivial equilibrium equations f = 0 with a unit derivative, so that the solver keeps the motions y.
 
-    They replace f(y) in eq. (2) of this module where the motions are prescribed.
+    They replace the equilibrium of the forces on the motions where the motions are prescribed.
     """
     return np.zeros(y.size), np.eye(y.size)
 
@@ -174,12 +175,12 @@ def _newton_terms_of_smoothed_law(
 def _newton_terms_of_coulomb_law(
     c: FrictionContact, q: Array, y: Array, projection_parameter: Array
 ) -> tuple[Array, Array, Array]:
-    """Compute the residual of Coulomb's law, eq. (1) of this module, and the terms of Newton's step dq = first + rest @ dy.
+    """Compute the residual of Coulomb's law, q - P(q - r s), and the terms of Newton's step dq = first + rest @ dy.
 
     dq: step of the tangential forces; dy: step of the motions. ``c``: the contact; ``q``: tangential forces (2 n,) [N];
-    ``y``: motions of all bodies; ``projection_parameter``: the parameter r of each cell (n,) [N s/m]. Returns the residual
-    (2 n,) [N], first (2 n,) [N] and rest (2 n, m). There is one unknown for each slipping cell, and two for each cell that
-    sticks.
+    ``y``: motions of all bodies; ``projection_parameter``: the parameter r of each cell (n,) [N s/m]; P: projection onto
+    the disk of the largest tangential force; s: slip. Returns the residual (2 n,) [N], first (2 n,) [N] and rest (2 n, m).
+    There is one unknown for each slipping cell, and two for each cell that sticks.
     """
     n = c.friction_limits.size
     s = c.slip(q, y)
@@ -243,7 +244,7 @@ class _FrictionProblem:
         return [first + by_y @ dy[c.motion_indices] for c, (_, first, by_y) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced_forces(self, q: list[Array], y: Array) -> Array:
-        """Evaluate the unbalanced forces on all motions, the left side of eq. (2) of this module [N].
+        """Evaluate the unbalanced forces on all motions: friction forces plus the other forces f(y) [N].
 
         ``q``: tangential forces of every contact [N]; ``y``: motions of all bodies.
         """
@@ -347,7 +348,7 @@ def solve_rigid_friction(
     contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance
-        Function that returns f of eq. (2) of this module and its derivative at the motions y.
+        Function that returns the forces f on the k motions besides friction, and df/dy, at the motions y.
     y : (k,) Array
         Starting values of the motions of all bodies.
     smoothing_ratios : tuple[float, ...], default PATH
@@ -389,7 +390,7 @@ def solve_friction(
     q: list[Array] | None = None,
     smoothing_ratios: tuple[float, ...] = PATH,
 ) -> FrictionSolution:
-    """Solve Coulomb's law and equilibrium, eqs. (1) and (2) of this module, for several contacts.
+    """Solve Coulomb's law in several contacts together with the equilibrium of the bodies.
 
     The results are tangential forces, slips and rigid motions. If Coulomb's law does not converge from the starting values,
     the smoothed law provides better ones. `FrictionSolution.status` tells whether the solution converged.
@@ -399,8 +400,8 @@ def solve_friction(
     contacts : Sequence[FrictionContact]
         The contacts.
     balance : Balance, default keep_prescribed_motions
-        Function that returns f of eq. (2) of this module and its derivative at the motions y; by default the motions are
-        prescribed.
+        Function that returns the forces f on the k motions besides friction, and df/dy, at the motions y; by default the
+        motions are prescribed.
     y : (k,) Array, optional, default None
         Starting values of the motions of all bodies; None: there are no motions.
     q : list[Array] | None, default None

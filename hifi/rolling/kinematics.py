@@ -404,8 +404,8 @@ def ball_to_ball_contact(
 class BallEquilibrium:
     """Equilibrium of all balls under the forces between them, as equations f(y) for the friction solver.
 
-    The equations are f of eq. (2) in `hifi.rolling.friction`. The unknowns y are the motions of all balls, then the force
-    of each ball-to-ball contact [N].
+    The equations give the forces f that act on the motions besides friction at the grooves (`hifi.rolling.friction`). The
+    unknowns y are the motions of all balls, then the force of each ball-to-ball contact [N].
     """
 
     #: The balls.
