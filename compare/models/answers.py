@@ -213,9 +213,9 @@ class SceneResults:
     screw_displacement: Array
     #: Axial rigidity by several definitions; None without axial force.
     rigidities: AxialRigidities | None
-    #: Tangent stiffness at the nut's centre; None if the model has none.
+    #: Tangent stiffness at the nut's centre; None if it was not computed.
     tangent_at_nut: TangentStiffness | None
-    #: Why no tangent stiffness was found; empty if it was found, or if the model never has one.
+    #: Why the tangent stiffness was not computed; empty if it was, or if the model never computes one.
     tangent_words: str
     #: Contact loads that remain when the loads of the scene are removed.
     preload: Preload | None
@@ -667,7 +667,8 @@ class ShaftResults:
 def compute_shaft_results(assembly: Assembly, result: AxisResult) -> ShaftResults:
     """Compute all results that follow from a converged solution of a shaft with several nuts or bearing rows.
 
-    The shaft is solved once more without loads, and without the loads of each body if several bodies are loaded.
+    The shaft is solved once more without loads, and, if several bodies are loaded, once for each of them without
+    the loads on this body.
 
     Parameters
     ----------

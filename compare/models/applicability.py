@@ -1,9 +1,9 @@
 """Check whether a scene's dimensions lie within the range of the scenes that were compared with the 3D reference.
 
-A scene is described by numbers (descriptors) such as lead over pitch diameter, which are known before it is solved. It is
-outside the range if a descriptor exceeds the range of the compared scenes by more than its margin.
+A scene is described by numbers (descriptors) such as lead over pitch diameter, which are known before it is solved. The
+scene is outside the range if a descriptor exceeds the range of the compared scenes by more than its margin.
 `compare.models.model_form` does the same with numbers that depend on the loads (preload, spread, lateral force and moment).
-If a scene is outside in either, its expected error is "not covered".
+If a scene is outside the range in a number of either kind, its expected error is "not covered".
 """
 
 from __future__ import annotations

@@ -428,6 +428,7 @@ def _error_and_ratio_rows(
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
+        """Return the value that Lin's thesis prints for the key ``key``; None without a key, or for models other than lin."""
         return printed_entry("lin-2.4.1", key).value if key and solution.model.startswith("lin") else None
 
     loaded = reference.load > 0.0
@@ -566,7 +567,7 @@ class NutOrBearingOnShaft:
 
 @dataclass(frozen=True)
 class SceneWithReference:
-    """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference, or that given by a user."""
+    """Nut or bearing (alone in its scene or one of several on a shaft) with its 3D reference, or one that a user gave."""
 
     #: Nut or bearing as a separate scene.
     scene: Scene
@@ -659,8 +660,8 @@ def _loaded_contact_count(result: AxisResult, set_index: int) -> int:
 def _solve_loaded_and_unloaded(assembly: Assembly, model: str) -> tuple[AxisResult, AxisResult, float]:
     """Solve a shaft with several nuts or bearings by the model ``model`` under its loads and without them.
 
-    Returns the result under the loads, the result without them, and the computing time of the first [s]. The last results
-    are cached.
+    Returns the result under the loads, the result without them, and the computing time of the first [s]. The most
+    recent results are cached.
     """
     start = perf_counter()
     result = run_model(assembly, model, ModelOptions(engine="interpreted"))

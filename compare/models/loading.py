@@ -117,6 +117,7 @@ def with_scaled_loads(scene: Scene | Assembly, factor: float) -> Scene | Assembl
     """
 
     def multiplied_load(x: Loaded) -> Loaded:
+        """Return a copy of an external load with force and moment multiplied by the factor."""
         (fx, fy, fz), (mx, my, mz) = x.force, x.moment
         force, moment = (factor * fx, factor * fy, factor * fz), (factor * mx, factor * my, factor * mz)
         return replace(x, force=force, moment=moment)
@@ -212,6 +213,7 @@ def find_lift_off_load(
     unit = axial_force(result)
 
     def smallest_preloaded_load(solution: StaticResult) -> tuple[float, int]:
+        """Return F^(2/3) of the smallest load F [N] of the preloaded contacts, then the flat index of its contact."""
         values = np.where(tracked, solution.load, np.inf)
         k = int(values.argmin())
         return float(values.flat[k]) ** (2.0 / 3.0), k

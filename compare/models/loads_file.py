@@ -388,7 +388,7 @@ def _columns_by_heading(path: Path, table: CsvTable) -> dict[str, Column]:
         raise InputError(str(path), where, ", ".join(table.headings), f"a column {COLUMNS[2]}", EXAMPLE)
     twice = next((head for k, head in enumerate(table.headings) if names[k] and names[k] in names[:k]), None)
     if twice is not None:
-        value = f"a second column of one quantity, {twice}"
+        value = f"a second column for the same quantity, {twice}"
         raise InputError(str(path), where, value, "each quantity once", "delete one of the columns")
     return columns
 
@@ -397,6 +397,11 @@ class _ContactLoadRow:
     """One row of a CSV file with contact loads; cells are read by the name of a column, such as "ball"."""
 
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
+        """Store the cells of a row.
+
+        ``path`` and ``line``: file and line of the row, for error messages; ``cells``: by the name of each column its heading,
+        the factor from its unit to SI units, and the text of the cell; ``decimal_comma``: whether numbers have a decimal comma.
+        """
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 
     def cell_error(self, name: str, value: str, allowed: str, advice: str) -> InputError:
@@ -464,6 +469,7 @@ class _BallFinder:
     """Finds the ball of a scene whose azimuth and axial position a row of a file states."""
 
     def __init__(self, scene: Scene) -> None:
+        """Store the positions of the balls of a scene."""
         layout = ball_layout(scene)
         self._azimuth, self._z = layout.azimuth, layout.z
         self._pitch, self._near = scene.track.pitch_radius, scene.balls.radius

@@ -3,8 +3,8 @@
 Each scene is described by dimensionless features (`SCALES`). On the compared scenes, which are included with rollbench or
 generated at random, the errors of the model were measured. The logarithm of an error is fitted as a linear function of the
 features, by ridge regression to avoid steep slopes with few scenes. The expected error is the fitted error times a factor.
-This factor is chosen so that the errors of the share `SHARE` of the compared scenes lie below their expected errors, each
-estimated by a fit without the scene.
+This factor is chosen so that a share `SHARE` of the compared scenes has errors below the expected ones, where the expected
+error of a scene follows from a fit without this scene.
 
 This method is the leave-one-out jackknife. No theorem guarantees which share of new scenes lies below the expected error
 (Barber, Candes, Ramdas and Tibshirani 2021: for an unstable fit it may be none), and the scenes of users are not drawn from
@@ -365,7 +365,7 @@ def estimate_model_error(
     Returns
     -------
     ExpectedModelErrors
-        The estimate, without percentages where it is not covered.
+        The estimate, without percentages if the scene is not covered.
     """
     if result.model not in MODELS:
         return ExpectedModelErrors(None, None, float("inf"), "", 0, (WORDS, NOT_COMPARED))
@@ -382,6 +382,7 @@ def estimate_model_error(
     words: tuple[str, ...] = (model.elasticity_text,)
 
     def estimate_not_covered(why: str, away: float = float("inf"), nearest: str = "") -> ExpectedModelErrors:
+        """Return an estimate without percentages for the reason ``why``; ``away``, ``nearest``: nearest compared scene."""
         return ExpectedModelErrors(None, None, away, nearest, len(like), (*words, why))
 
     if not (result.load > 0.0).any():
@@ -430,7 +431,7 @@ def _expected_errors(
 
     ``errors_on_similar_scenes``: measured errors on these scenes; ``similar_features``: their k features, each divided by
     its scale, (n, k); ``scene_features``: those of the scene, (k,). An expected error is None if too few similar scenes
-    have an error of it.
+    have an error of this quantity.
     """
     out: dict[str, float | None] = {}
     for name in QUANTITIES:

@@ -98,8 +98,8 @@ class ModellingUncertainty:
 def run_without_changed_choices(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
     """Return the stored 3D run of a scene on a mesh level without changed modelling choices; None if none is stored.
 
-    Runs with a changed choice are compared with it. ``stores``: folders with runs; None: that included with rollbench. The
-    result is the run of the variant ``base`` if one is stored, else the regular run.
+    Runs with a changed choice are compared with this run. ``stores``: folders with runs; None: the folder included with
+    rollbench. The result is the run of the variant ``base`` if one is stored, else the regular run.
     """
     return load_stored_run(scene, level, "base", stores) or load_stored_run(scene, level, stores=stores)
 
@@ -189,8 +189,9 @@ def combined_modelling_uncertainty(scene: Scene, effects: Sequence[ModellingChoi
 def applicable_modelling_uncertainty(scene: str, by_scene: Mapping[str, ModellingUncertainty]) -> float | None:
     """Return the modelling uncertainty of the 3D reference that applies to the scene named ``scene`` [% of the mean load].
 
-    It is the largest one of a contact load, on the scene with the same parts on which choices were varied; None without
-    such a scene. ``by_scene``: modelling uncertainty of each scene on which choices were varied, by its name.
+    Returned is the largest modelling uncertainty of a contact load on the scene with the same parts on which choices were
+    varied; None without such a scene. ``by_scene``: modelling uncertainty of each scene on which choices were varied, by the
+    name of this scene.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest

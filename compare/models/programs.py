@@ -266,7 +266,7 @@ class ExternalProgram:
         lacking = [side for side in SIDES if side not in given.flanks_with_rows]
         if lacking:
             raise InputError(
-                LOADS, "rows", f"no loads on {', '.join(lacking)}", "loads of every ball on SL, SR, NL and NR", ""
+                LOADS, "rows", f"no rows for {', '.join(lacking)}", "loads of every ball on SL, SR, NL and NR", ""
             )
         note = given.notes.get(DISPLACEMENT)
         if note is None:

@@ -251,7 +251,7 @@ _ALL = (
     ),
     Model(
         "lin-source-partition",
-        "lin with the 15 mm beam elements inside the nut of Lin's thesis",
+        "lin with beam elements of 15 mm inside the nut, as in Lin's thesis",
         "Lin's model, 15 mm beam elements in the nut",
         C_8,
         _solve_lin,
@@ -401,6 +401,7 @@ def model_by_name(name: str, argument: str = "model", excluded_names: Sequence[s
     user_models.load_user_model(name)
 
     def run(scene: Scene, options: ModelOptions) -> StaticResult:
+        """Solve a scene with this user's model."""
         return user_models.solve_by_user_model(name, scene, options.member)
 
     reason = "a user's model is a function of a scene with one nut or bearing row"

@@ -89,14 +89,17 @@ class ComparedQuantity:
 
 
 def _axial_displacement(scene: Scene, solution: ContactSolution) -> Array:
-    """Return the screw's axial displacement at the nut's centre as an array (1,) [um]; ``solution``: displacements."""
+    """Return the screw's axial displacement at the nut's centre as an array (1,) [um].
+
+    ``solution``: contact loads and displacements by a model or by the 3D reference.
+    """
     return np.array([1e6 * float(np.interp(scene.nut.position, solution.stations, solution.line[:, 2]))])
 
 
 def _angle_of_most_loaded_contact(scene: Scene, solution: ContactSolution) -> Array:  # noqa: ARG001 - every quantity takes the scene
     """Return the contact angle of the most loaded contact as an array (1,) [deg].
 
-    ``solution``: contact loads and angles.
+    ``solution``: contact loads and angles by a model or by the 3D reference.
     """
     return np.array([float(solution.angle.ravel()[int(solution.load.argmax())])])
 
@@ -135,6 +138,7 @@ def _with_stiffer_material(scene: Scene) -> Scene:
     """Return a copy of the scene with all Young's moduli increased by 1 %."""
 
     def with_higher_modulus(material: Material) -> Material:
+        """Return a copy of a material with Young's modulus increased by 1 %."""
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
     screw = replace(scene.screw, material=with_higher_modulus(scene.screw.material))

@@ -339,7 +339,7 @@ def cut_balls_out_of_screw(scene: Scene, first: int, last: int) -> Scene:
     """Cut a few neighbouring balls out of a screw with one start, with short pieces of nut and screw around them.
 
     Every load and support moves to the nearer end of the piece of screw. Loads are multiplied by the share of the balls
-    that are kept. Errors given for single balls stay with their balls.
+    that are kept. Geometric errors of single balls stay with these balls.
 
     Parameters
     ----------

@@ -74,6 +74,7 @@ def _with_scaled_youngs_moduli(base: Scene, screw: float, nut: float, balls: flo
     """Return a copy of the scene ``base``; factors ``screw``, ``nut`` and ``balls`` multiply their Young's moduli."""
 
     def scaled_material(m: Material, factor: float) -> Material:
+        """Return a copy of a material with Young's modulus multiplied by a factor."""
         return replace(m, youngs_modulus=m.youngs_modulus * factor)
 
     return replace(
@@ -108,8 +109,8 @@ def with_groove_radius_ratio(base: Scene, ratio: float) -> Scene:
 def with_lead(base: Scene, lead: float) -> Scene:
     """Return a copy of the screw ``base`` with another lead [m], and with a nut that is long enough for it.
 
-    A lead of zero gives a bearing with 16 balls. At leads of up to 6 mm the balls have 3 mm diameter and the conformity
-    stays.
+    A lead of zero gives a bearing with 16 balls. At leads of up to 6 mm the balls get a diameter of 3 mm, with the
+    same conformity.
     """
     if lead == 0.0:
         ring = tuple(2.0 * math.pi * i / 16 for i in range(16))
@@ -356,15 +357,17 @@ def _with_ball_count(scene: Scene, count: int) -> Scene:
 def _with_longer_shaft(axis: Assembly, length: float) -> Assembly:
     """Return a copy of a ball-screw axis with a longer shaft.
 
-    ``length``: new length of the shaft [m]. Parts near the right end move with the end, the carriage and other parts near
-    the middle half as far.
+    ``length``: new length of the shaft [m]. Parts near the right end move with this end; the carriage and other parts
+    near the middle move half as far.
     """
     more = length - axis.screw.length
 
     def moved_position(z: float) -> float:
+        """Return where a part at the axial position ``z`` [m] is on the longer shaft [m]."""
         return z + (more if z > 0.6 * axis.screw.length else 0.5 * more if z > 0.4 * axis.screw.length else 0.0)
 
     def moved_row(s: RollingSet) -> RollingSet:
+        """Return a nut or bearing row at its position on the longer shaft."""
         at = moved_position(s.position)
         if isinstance(s.parts, Scene):
             screw, nut = replace(s.parts.screw, length=length), replace(s.parts.nut, position=at)
@@ -399,6 +402,7 @@ def _axis_variants_of_parts(axis: Assembly) -> Iterator[tuple[str, Assembly]]:
     """Yield names and hard variants of a ball-screw axis: other materials, conformity and balls, and a long shaft."""
 
     def is_nut(p: Scene) -> bool:
+        """Return whether the parts are those of a ball nut, not of a bearing."""
         return p.track.lead > 0.0
 
     yield (

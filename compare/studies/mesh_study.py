@@ -411,7 +411,7 @@ def compute_references_on_levels(
 
 
 def mesh_study_rows_for_terminal(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return a mesh-study table for the terminal: without rows of single balls, and columns of percentages and remarks."""
+    """Return a mesh-study table for the terminal, without rows of single balls, columns of percentages and remarks."""
     return [
         {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
         for row in table
@@ -442,7 +442,7 @@ def run_mesh_study(
     dict
         JSON values.
     str
-        Key in these values of the table to show.
+        Key, in these JSON values, of the table that is shown.
     tuple of str
         Text lines that are shown below the table.
     """

@@ -276,6 +276,11 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
     rows = []
 
     def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
+        """Add the row of one quantity.
+
+        ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit; ``take``: function
+        that reads the quantity from a 3D solution in SI units; ``low``: values by low-order laws in SI units, by law.
+        """
         values = [scale * take(run) for run in runs]
         found = roller_quantity_convergence(values, runs)
         row: dict[str, Any] = {"quantity": name, "unit": unit}
@@ -429,8 +434,8 @@ def run_roller_mesh_study(
     """Run the mesh study of a shaft's rollers for `rollbench.mesh_study`.
 
     ``levels``: number of mesh levels, None for all; ``show_progress``: function that is called with each line of progress;
-    ``store``: folder that takes new runs. Returns the JSON values, then the key in them of the table to show, then text
-    lines that are shown below it.
+    ``store``: folder that takes new runs. Returns the JSON values, then the key of that table in them which is shown,
+    then the text lines below this table.
     """
     found = compute_runs_of_roller_kinds(assembly, levels, (store, shipped_store()), show_progress)
     sets = [{"scene": assembly.name} | roller_mesh_study_json(one, runs) for one, runs in found]

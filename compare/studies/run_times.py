@@ -516,6 +516,7 @@ def load_run_times(stores: Sequence[Path], source: str = "") -> StoredRunTimes |
     """
 
     def times_from_json(data: dict[str, Any]) -> StoredRunTimes:
+        """Return run times from the JSON values of their file."""
         times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in data["times"]}
         first = {(r.pop("model"), r["engine"]): ColdModelTime(**r) for r in data["first"]}
         levels = tuple(ColdLevelTime(**r) for r in data.get("levels", []))
@@ -530,6 +531,7 @@ def load_set_up_costs(stores: Sequence[Path]) -> SetUpCosts | None:
     """Read the processor times for setting up the 3D reference from the first folder with a valid file; None: no file."""
 
     def costs_from_json(data: dict[str, Any]) -> SetUpCosts:
+        """Return processor times of set-ups from the JSON values of their file."""
         jobs, ways = [SetUpCost(**row) for row in data["jobs"]], [SetUpVariant(**row) for row in data["ways"]]
         return SetUpCosts(data["machine"], data["date"], jobs, ways, data.get("version", ""))
 
@@ -642,6 +644,7 @@ def time_ensemble_with_threads(count: int = MEMBERS, repeats: int = 3) -> Iterat
     for threads in THREADS:
 
         def solve_specimens(threads: int = threads) -> object:
+            """Solve all random draws in ``threads`` threads."""
             return solve_random_draws(parts, count, threads=threads)
 
         seconds = median_seconds(solve_specimens, repeats)

@@ -182,6 +182,7 @@ def _draw_ball_circuits(
     filling = round(float(rng.uniform(0.8, 0.95)), 2)
 
     def balls_in_circuits(circuits: int, turns: float) -> int:
+        """Return the number of balls of all starts, for ``circuits`` circuits per start with ``turns`` turns each."""
         return starts * circuits * max(1, floor(filling * turns * 2.0 * pi / touching_angle))
 
     allowed = [c for c in CIRCUITS if not (halved and c[0] % 2)]

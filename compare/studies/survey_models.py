@@ -4,8 +4,8 @@ The contact loads of the survey's runs are stored next to its record (`store_ref
 screw. If the digest differs from that of the screw that is drawn now, the model is not judged on this screw.
 
 The stored loads are those of mesh level 1, which has errors of its own. On `COUNT` of the screws, chosen by a seed, level 2
-is solved too, so that the error of level 1 and the time of either level are known. Times are processor times of one process
-with one thread: all of a new screw from the set-up on, and of a further load case.
+is solved too, so that the error of level 1 and the time of either level are known. Measured are processor times
+of one process with one thread: for a new screw from the set-up to the contact loads, and for a further load case.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def judge_model_on_random_screw(model: str, number: int, limit: float = LIMIT, e
 def compare_models_on_random_screws(
     models: Sequence[str], count: int, workers: int | None, limit: float, show_progress: Callable[[str], None]
 ) -> dict[str, Any]:
-    """Compare models with the 3D reference on the first ``count`` random screws, and add stored errors of our models.
+    """Compare models with the 3D reference on the first ``count`` random screws, and add stored errors of lin and refined.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def compare_models_on_random_screws(
     Returns
     -------
     dict
-        JSON values: summary of the errors, verdicts, and errors on each screw.
+        JSON values: summary of the errors, number of screws with each verdict on the error limit, and errors on each screw.
 
     Raises
     ------
@@ -458,6 +458,7 @@ def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
     solved: list[float] = []
 
     def note_time(text: str) -> None:
+        """Note the processor time when a line of progress says that a load case is solved."""
         if text.startswith(SOLVED):
             solved.append(process_time())
 
@@ -504,6 +505,7 @@ def load_timed_level_runs(stores: Sequence[Path]) -> StoredTimedLevelRuns | None
     """Read timed solutions of random screws from the first of the folders ``stores`` with a valid file; None: no file."""
 
     def read(data: dict[str, object]) -> StoredTimedLevelRuns:
+        """Return timed solutions from the JSON values of their file."""
         measured = MeasuringConditions(str(data["version"]), str(data["sources"]), str(data["machine"]))
         rows = data["runs"]
         assert isinstance(rows, list)

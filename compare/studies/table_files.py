@@ -174,7 +174,7 @@ def ross_module_text(table: Table) -> str:
         lines.append(f"    ({parameter_values_text(table.over, places[k])!r}, {terms!r}),")
     head = [
         f"Stiffness of {table.scene} by rollbench (model {table.model}) for ROSS, in N/m; z is the axis of rotation.",
-        f"It is that of: {table.stiffness_of}.",
+        f"The stiffness is that of: {table.stiffness_of}.",
         *textwrap.wrap(ROSS_DROPS, 100),
         "Damping is not known here: give cxx and others to `bearing`.",
         *(f"left out: {line}" for line in _reasons_for_missing_results(table)),
@@ -228,7 +228,7 @@ def modelica_table_text(table: Table) -> tuple[str, list[str]]:
         if name in table.places[0] or any(isinstance(x, str) for x in column):
             continue
         if None in column:
-            left.append(f"{name}: no number at {count_with_noun(column.count(None), 'place')} with an answer")
+            left.append(f"{name}: no number in {count_with_noun(column.count(None), 'row')} with a result")
         else:
             columns[name] = np.array(column, dtype=float)
     if len(kept) < 2 or not columns:

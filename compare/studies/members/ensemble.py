@@ -114,7 +114,7 @@ def can_share_one_system_of_equations(scene: Scene) -> bool:
 
 
 def solve_random_draws(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> RandomDrawsResult:
-    """Solve many random draws of a scene's geometric errors (specimens); each has the contact loads of ``solve_static``.
+    """Solve many random draws of a scene's geometric errors (specimens), with results as from ``solve_static`` for each.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """A sweep (``rollbench sweep``): its definition, the solution of its samples, and the summary of its results.
 
 Missing samples are solved in batches, in parallel if requested, and every sample is stored. The summary has counts,
-statistics, main effects, Sobol indices, figures and the worst samples.
+statistics, main effects, Sobol indices, figures and the samples with the largest contact loads.
 """
 
 from __future__ import annotations

@@ -70,8 +70,8 @@ OUTPUTS = {
 GROWTH = ("largest_growth", "least_growth")
 
 
-#: Output by which worst samples, main effects and plots are made: the largest contact load. It is always stored, with the
-#: contact that carries it as ``at``.
+#: Output that decides which samples are the worst, and of which main effects and plots are made: the largest contact load.
+#: It is always stored, with the contact that carries this load as ``at``.
 MAIN = "largest_load_N"
 
 #: Functions that compute outputs, by name of the output; only the functions of wanted outputs are called.
@@ -91,9 +91,11 @@ def outputs_of_scene(
 
     @cache
     def unloaded_result() -> StaticResult:
+        """Return the result of the scene without loads."""
         return solve_with_scaled_loads(scene, 0.0, model, options)
 
     def secant_rigidity() -> float | None:
+        """Return the axial secant rigidity from the unloaded position [N/um]."""
         moved = screw_displacement_at_nut(scene, result) - unloaded_axial_displacement(scene, unloaded_result())
         return _secant_rigidity(axial_force(result), moved)
 
@@ -188,11 +190,13 @@ def outputs_of_shaft(
 
     @cache
     def unloaded_result() -> AxisResult:
+        """Return the result of the shaft without loads."""
         without = run_model(with_scaled_loads(assembly, 0.0), result.model, ModelOptions(engine=engine))
         assert isinstance(without, AxisResult)
         return without
 
     def largest_preload() -> float | None:
+        """Return the largest axial force on a nut or bearing without loads [N]; None without equilibrium."""
         return (
             max((abs(float(s.force[2])) for s in unloaded_result().sets), default=0.0)
             if unloaded_result().converged

@@ -114,7 +114,7 @@ FAULTY = {
     "negative": (ANSWER.replace("{100.0 + k}", "{-1.0}"), "newton: -1.0; allowed: a number, at least 0"),
     "too few balls": (ANSWER.replace("range(32)", "range(31)"), "no load of ball 32 SL and 3 more"),
     "too many balls": (ANSWER.replace("range(32)", "range(33)"), "ball: 33; allowed: a ball number from 1 to 32"),
-    "too few flanks": (ANSWER.replace('"SL", "SR", ', ""), "no loads on SL, SR"),
+    "too few flanks": (ANSWER.replace('"SL", "SR", ', ""), "no rows for SL, SR"),
     "a contact twice": (ANSWER.replace('("SL", "SR"', '("SL", "SL", "SR"'), "a second row of ball 1 SL"),
     "displacement": (
         ANSWER.replace('["ball', '["# displacement: 1 2 x"] + ["ball'),
