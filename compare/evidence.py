@@ -198,11 +198,11 @@ class ComputedEntryValues:
         return printed_value(self.table, key)
 
     def add_claim(self, key: str, holds: bool, words: str) -> None:
-        """Add whether the printed claim ``key`` is true (``holds``), and a text with the numbers that show it."""
+        """Add whether the printed claim ``key`` is true (``holds``), and a text ``words`` with the numbers that show it."""
         self._set_fields(key, claim_is_true=bool(holds), remark=words)
 
     def add_remark(self, key: str, words: str) -> None:
-        """Add a remark on the printed number or claim ``key``, such as the reason why it is not compared."""
+        """Add the remark ``words`` on the printed number or claim ``key``, such as the reason why it is not compared."""
         self._set_fields(key, remark=words)
 
     def comparisons(self) -> tuple[PrintedEntryComparison, ...]:

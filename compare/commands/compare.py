@@ -91,8 +91,8 @@ def compare_and_report(
 
     ``levels``: mesh levels to use; None: the best stored run, or the levels `ADVISED` if none is stored. ``fresh``: compute
     these levels even if they are stored. ``balls``: also print every contact. ``verbose``: also print the causes of the
-    uncertainty. ``reference``: file of the user that replaces the 3D reference. Raises SceneNotCoveredError if no run
-    of a scene converged.
+    uncertainty. ``reference``: file of the user that replaces the 3D reference. ``store``: folder of stored runs;
+    ``engine``: computes missing runs. Raises SceneNotCoveredError if no run of a scene converged.
     """
     from rollbench.compare.models.comparison import RULE, comparison_rows, models_by_name, path_of_condensed_bodies
     from rollbench.compare.results.base import add_schema_version, format_table_as_text
@@ -292,8 +292,8 @@ def compare_rolling_and_report(
 ) -> CommandOutput:
     """Compare the low-order models of friction with the 3D model of rolling contact, and return a table for each scene.
 
-    ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``fresh``: compute stored
-    runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
+    ``levels``: levels of the 3D model's grids; None: all. ``store``: folder of its stored runs. ``engine``: computes
+    missing runs. ``fresh``: compute stored runs again. ``bodies``: "half-space", or "finite" for bodies of finite size.
     """
     from rollbench.compare.studies.rolling.rows import none_for_infinity, rolling_comparison
 

@@ -104,8 +104,8 @@ def solve_and_report_friction(
 def friction_terminal_parts(answer: FrictionAnswer, *, balls: bool = False, details: bool = False) -> list[RenderableType]:
     """Return the texts and tables in which the terminal shows the friction in a scene.
 
-    ``balls``: also the table of all balls. ``details``: also explanations, force balance, solver, assumptions and neglected
-    effects, instead of a line that names the option which shows them.
+    ``answer``: the computed friction. ``balls``: also the table of all balls. ``details``: also explanations, force
+    balance, solver, assumptions and neglected effects, instead of a line that names the option which shows them.
     """
     from rollbench.compare.results.base import format_table_as_text
     from rollbench.compare.results.rows import friction_rows

@@ -119,7 +119,7 @@ def warning_and_note_lines(
     """Return the last lines on a solution: warnings, then force balance, solver, notes, assumptions and neglected effects.
 
     Without ``details``, all lines but the warnings are replaced by one line, which names the option that shows them.
-    ``solution_lines``: lines on force balance and solver.
+    ``solution_lines``: lines on force balance and solver; ``assumed``, ``left_out``: assumptions and neglected effects.
     """
     warned = [f"warning: {line}" for line in warnings]
     if not details:

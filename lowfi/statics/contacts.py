@@ -156,13 +156,13 @@ def clear_nominal_caches() -> None:
 
 @lru_cache(maxsize=64)
 def _cached_hertz_of_parts(bare: Scene) -> HertzConstants:
-    """Return the Hertz constants ``(4,)`` of error-free parts, from a cache."""
+    """Return the Hertz constants ``(4,)`` of error-free parts, from a cache; ``bare``: scene with these parts only."""
     return _make_read_only(hertz_from_curvatures(bare, _cached_curvatures(bare)))
 
 
 @lru_cache(maxsize=64)
 def _cached_hertz_of_radius(bare: Scene, ball_radius: float) -> HertzConstants:
-    """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of another radius [m], from a cache."""
+    """Return the Hertz constants ``(1, 4)`` of error-free grooves and balls of radius ``ball_radius`` [m], from a cache."""
     return _make_read_only(
         hertz_with_errors(bare, draw_geometry_with_errors(bare, ball_layout(bare)), np.array([ball_radius]))
     )
@@ -177,7 +177,7 @@ def _make_read_only(constants: HertzConstants) -> HertzConstants:
 
 @lru_cache(maxsize=64)
 def _cached_curvatures(bare: Scene) -> Array:
-    """Return the relative principal curvatures ``(4, 2)`` [1/m] of error-free parts, from a cache."""
+    """Return the relative principal curvatures ``(4, 2)`` [1/m] of the error-free parts of scene ``bare``, from a cache."""
     scene, layout = bare, ball_layout(bare)
     drawn = draw_geometry_with_errors(bare, layout)
     curvatures: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]

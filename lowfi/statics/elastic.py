@@ -453,7 +453,7 @@ class SpecimensWithSharedEquations:
         return solved
 
     def _equations_for_flanks(self, used_flanks: Mask) -> _SharedEquations | None:
-        """Return the equations with contacts on given flanks, solved for specimen 0, for use by other specimens.
+        """Return the equations with contacts on ``used_flanks``, solved for specimen 0, for use by other specimens.
 
         If balls of specimen 0 touch a flank that was left out, the equations have all four flanks. None if specimen 0 has
         no solution or its equations fit no other specimen.

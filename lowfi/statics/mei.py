@@ -94,8 +94,8 @@ def _add_bar_stiffness(band: Array, unknowns: NDArray[np.int64], stations: Array
 def _build_axial_chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _AxialBarModel:
     """Return the arrays of Mei's model of a scene.
 
-    ``member``: number of the specimen with random errors; ``elastic_nut``: whether the nut is a row of bars too, else
-    rigid.
+    ``layout``: positions of the balls; ``member``: number of the specimen with random errors; ``elastic_nut``: whether
+    the nut is a row of bars too, else rigid.
     """
     drawn = draw_geometry_with_errors(scene, layout, member)
     _, closure = centre_vectors_and_interference(scene, drawn)

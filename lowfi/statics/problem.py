@@ -498,7 +498,7 @@ class SupportContradiction:
 
 
 def _describe_support_position(scene: Scene, held: PrescribedMotion) -> str:
-    """Return the axial position and the key of a support as text, for example "120 mm (supports[1])"."""
+    """Return the axial position and the key of the support that fixes ``held`` as text, such as "120 mm (supports[1])"."""
     return f"{1e3 * scene.supports[held.support_index].at:g} mm (supports[{held.support_index}])"
 
 

@@ -88,9 +88,10 @@ def _cached_motion_matrices(
 ) -> tuple[Array, NDArray[np.int64], Array]:
     """Return the positions at which a screw's centreline is reported, and matrices from node motions to the motions there.
 
-    Entries: axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the beam element at each
-    of them; and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the motions there
-    (`motion_matrices`). The last eight results are cached.
+    ``length``: length of the screw [m]; ``nodes``: axial positions of the beam's nodes [m]; ``section``: the screw's
+    cross-section. Entries: axial positions ``(k,)`` [m] as for `centreline_positions`; the first node ``(k,)`` of the
+    beam element at each of them; and the matrices ``(k, 6, 12)`` from the motions of the element's two nodes to the
+    motions there (`motion_matrices`). The last eight results are cached.
     """
     stations = centreline_positions(length, nodes)
     return stations, *motion_matrices(stations, np.array(nodes), section)

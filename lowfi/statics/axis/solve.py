@@ -98,7 +98,7 @@ def estimate_axial_displacement(assembly: Assembly, sets: Sequence[tuple[Rolling
     """Estimate the axial displacement of the shaft [m] under the loads, with elastic contacts between rigid bodies.
 
     It is the prescribed displacement of a support, or else the one at which the contact forces of all bearings and nuts
-    balance the axial load.
+    balance the axial load. ``sets``: the bearings and nuts, each with a scene of its dimensions.
     """
     held = [value for s in assembly.supports for name, value in s.fixed if name == "uz"]
     force = sum(x.force[2] for x in assembly.loads)
@@ -121,10 +121,10 @@ def _flanks_in_contact(rolling: RollingSet, scene: Scene, shift: float, drawn: G
     """Return which flanks SL, SR, NL, NR of one ball nut or bearing touch a ball at an axial shift, as booleans ``(4,)``.
 
     ``shift``: displacement of the shaft along z [m] relative to the nut or outer ring; a positive one closes the flank pair
-    SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``scene``: dimensions of the ball nut or
-    bearing; ``drawn``: dimensions with manufacturing errors. If one pair touches balls and the other does not, only the
-    first is returned; otherwise all flanks that can be loaded by thrust in the direction which the nut or bearing
-    carries.
+    SL-NR and opens SR-NL by the shift times the sine of the contact angle. ``rolling``: the ball nut or bearing in the
+    assembly; ``scene``: its dimensions; ``drawn``: dimensions with manufacturing errors. If one pair touches balls and
+    the other does not, only the first is returned; otherwise all flanks that can be loaded by thrust in the direction
+    which the nut or bearing carries.
     """
     use = USE[rolling.thrust]
     if rolling.thrust != "both" or drawn.profile_coefficients.shape[1]:

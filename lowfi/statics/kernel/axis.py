@@ -192,8 +192,8 @@ def fix_prescribed_motions(values: Array, axis: AxisArrays, shift: Array) -> Non
 def _add_ball_stiffness_by_numpy(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
     """Add the contact stiffness of all balls to the stiffness matrix ``values`` by numpy, without loops over the balls.
 
-    It does the same as `add_ball_stiffness_in_loops` and is used without compilation. hessians (N, 8, 8): stiffness of the
-    balls [N/m].
+    It does the same as `add_ball_stiffness_in_loops` and is used without compilation. ``axis``: positions of the rows
+    in ``values``, which stores the matrix as an envelope. hessians (N, 8, 8): stiffness of the balls [N/m].
     """
     six, spans = np.arange(6), range(balls.B.shape[3] // 6)
     for s, t, a, b in product(range(4), range(4), spans, spans):
@@ -360,8 +360,8 @@ def find_step(
     """Write Newton's step of the motions of nodes and bodies to the workspace; return False if it cannot be solved.
 
     shift [N/m]: stiffness added to the diagonal, multiplied by the square of ``options.moment_arm`` for rotations.
-    ``fresh`` is not used: the stiffness is factored in every step. The ``workspace`` holds the derivatives of the energy at
-    the ``state``.
+    ``given``: arrays of shaft, bodies, springs, balls and rollers. ``fresh`` is not used: the stiffness is factored in
+    every step. The ``workspace`` holds the derivatives of the energy at the ``state``.
     """
     diagonal = np.full(6, shift)
     diagonal[3:] *= options.moment_arm * options.moment_arm

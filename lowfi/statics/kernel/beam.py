@@ -515,7 +515,9 @@ def shorten_first_step(
 ) -> None:
     """Take the first Newton step from the state, shortened such that no flank moves further than a limit [m].
 
-    reach [m]: largest displacement of a flank in the full step. The ``workspace`` holds the step; ``state`` is changed.
+    reach [m]: largest displacement of a flank in the full step; the limit is ``options.max_flank_motion_per_step``.
+    ``given``: arrays of the screw and its balls, or of a shaft with several nuts and bearings. The ``workspace`` holds
+    the step; ``state`` is changed.
     """
     save_start(state, workspace)
     move(
@@ -554,8 +556,9 @@ def ensemble(
 ) -> None:
     """Solve the equilibrium of many specimens of one screw, which differ in ball radii, groove centres and lever arms.
 
-    given: arrays of the nominal screw; members: arrays of the specimens. Every specimen starts from ``begin``, the solution
-    of the nominal screw, which is not changed, so that calls may run in parallel. The solutions are written to ``out``.
+    given: arrays of the nominal screw; members: arrays of the specimens; options: tolerance and limits of the
+    iteration. Every specimen starts from ``begin``, the solution of the nominal screw, which is not changed, so that
+    calls may run in parallel. The solutions are written to ``out``.
     """
     contacts = given.contacts
     state = MotionState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy(), begin.slices)

@@ -73,7 +73,8 @@ def force_scale_and_residual(
 
     That force is the largest force in the model, ``scale`` [N], but at least the result of `least_force`. Where only
     displacements are prescribed (``options.least_force_scale`` is zero), it is at least ``first_force`` [N] instead, a
-    force of the first state, because the final state may be free of forces.
+    force of the first state, because the final state may be free of forces. ``given``: constants of the model; the
+    ``workspace`` holds the unbalanced forces.
     """
     least = least_force(given, state, options) if options.least_force_scale > 0.0 else first_force
     scale = max(scale, least)

@@ -471,7 +471,8 @@ def residual_at(
 
     It is the larger of two values: the largest difference between a flank force of the state and the force that the ball
     exerts there, and the largest net load on a free motion of the bodies. If ``scale`` is zero, the result is in
-    newtons. The ``workspace`` holds the forces that the balls exert. ``options`` is not used.
+    newtons. The ``workspace`` holds the forces that the balls exert; ``given``: arrays of bodies, balls and rollers.
+    ``options`` is not used.
     """
     bodies = given.bodies
     worst = float(np.max(np.abs(workspace.f - state.phi)))
@@ -484,7 +485,8 @@ def residual_at(
 def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
 
-    The ``workspace`` also holds the present flank motions and forces. ``given``: arrays of bodies, balls and rollers.
+    The ``workspace`` also holds the present flank motions and ball forces; ``state`` holds the contact forces.
+    ``given``: arrays of bodies, balls and rollers.
     """
     step = workspace.step
     return float(
