@@ -235,7 +235,7 @@ def _drive_faults(keys: ShaftSceneKeys) -> Iterator[Fault]:
     leads = {one.track.lead for one in keys.sets if one.track is not None and one.track.lead}
     if keys.lubricant is not None and all(kind_of_nut_or_bearing(one) == "ball nut" for one in keys.sets):
         advice = "leave [lubricant] out: the friction of nuts is given by [friction]"
-        yield Fault(("lubricant",), "only together with a bearing among the sets", advice, "a lubricant for nuts only")
+        yield Fault(("lubricant",), "only together with a bearing among [[sets]]", advice, "a lubricant for nuts only")
     if keys.drive.mass and len(leads) != 1:
         found = (
             "a mass without nut" if not leads else f"nuts with leads of {', '.join(length_text(x) for x in sorted(leads))}"
@@ -263,7 +263,9 @@ def _nut_or_bearing_faults(keys: ShaftSceneKeys, number: int, set_keys: NutOrBea
         given = [n for n, x in balls.items() if x is not None]
         if given:
             found = f"both `rollers` and `{given[0]}`"
-            yield Fault((f"{at}.{given[0]}",), "either rollers or balls", "describe rollers and balls as two sets", found)
+            yield Fault(
+                (f"{at}.{given[0]}",), "either rollers or balls", "describe rollers and balls in two [[sets]]", found
+            )
         if set_keys.carrier is not None:
             advice = "leave carrier out: the inner ring of tapered rollers sits on the shaft"
             yield Fault((f"{at}.carrier",), "no carrier for rollers", advice)
@@ -289,8 +291,8 @@ def _nut_or_bearing_faults(keys: ShaftSceneKeys, number: int, set_keys: NutOrBea
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "correct kind, or track.lead")
     if set_keys.preload and set_keys.thrust not in ONE_WAY and set_keys.arrangement is None:
         advice = (
-            f'write {at}.thrust = "+z" or "-z", the direction of the axial force on the shaft that this set carries by its '
-            "preload, as for each nut of a double nut; preload a set that carries both ways by errors.balls.oversize"
+            f'write {at}.thrust = "+z" or "-z", the direction of the axial force on the shaft that it carries by its '
+            "preload, as for each nut of a double nut; preload by errors.balls.oversize where both ways are carried"
         )
         yield Fault((f"{at}.preload",), 'only together with thrust = "+z" or "-z"', advice)
     if set_keys.preload and set_keys.offset != 0.0:
@@ -506,7 +508,7 @@ def _position_faults(keys: ShaftSceneKeys, sets: Sequence[RollingSet]) -> Iterat
                 )
     for i, one in enumerate(keys.sets):
         if one.carrier in stands:
-            advice = "remove a degree of freedom from the housing's `fix`, or leave the set out"
+            advice = "remove a degree of freedom from the housing's `fix`, or leave this entry out"
             yield Fault((f"sets[{i}].carrier",), "a housing that can move", advice)
     held = [(s, n) for s in keys.supports for n in s.fixed_freedoms]
     for i, s in enumerate(keys.supports):
@@ -541,7 +543,7 @@ def arrangement_faults(set_path: str, set_keys: NutOrBearingKeys) -> Iterator[Fa
             yield Fault((f"{set_path}.pair_rigidity",), "only together with pair_preload", advice)
         if any(x is not None and (x.conformity or x.groove_radius) for x in (set_keys.screw, set_keys.nut)):
             advice = "leave conformity and groove_radius out: they follow from the rigidity"
-            yield Fault((f"{set_path}.pair_rigidity",), "only without conformity and groove_radius of the set", advice)
+            yield Fault((f"{set_path}.pair_rigidity",), "only without conformity and groove_radius of this bearing", advice)
         if set_keys.track is not None and set_keys.track.clearance is not None:
             advice = "write contact_angle in place of clearance: rigidity and clearance both follow from the grooves"
             yield Fault((f"{set_path}.pair_rigidity",), "only together with track.contact_angle", advice)

@@ -404,10 +404,10 @@ def load_case_faults(keys: SceneKeys | ShaftSceneKeys) -> Iterator[Fault]:
     timed = [k for k, case in enumerate(keys.cases) if case.time is not None]
     shared = [k for k, case in enumerate(keys.cases) if case.share]
     if timed and shared:
-        advice = "give every case a share, or every case time and speed; only static cases may have share = 0 besides them"
-        yield Fault((f"cases[{shared[0]}].share",), "0 together with cases that have a time", advice)
+        advice = "give every load case a share, or each a time and a speed; static ones may have share = 0 besides"
+        yield Fault((f"cases[{shared[0]}].share",), "0 together with load cases that have a time", advice)
     elif timed and not any(keys.cases[k].time for k in timed):
-        yield Fault((f"cases[{timed[0]}].time",), "above 0 s in at least one case", "correct one of the times")
+        yield Fault((f"cases[{timed[0]}].time",), "above 0 s in at least one load case", "correct one of the times")
     elif not timed and abs(sum(case.share or 0.0 for case in keys.cases) - 1.0) > ROUNDED:
         total = sum(case.share or 0.0 for case in keys.cases)
         advice = "write the fractions of all revolutions, which sum to 1; a share of 0 is a static check only"
@@ -427,7 +427,7 @@ def _share_faults(case: LoadCaseKeys, case_path: str) -> Iterator[Fault]:
         advice = 'write e.g. speed = "200 rpm": the share of the revolutions follows from time and speed'
         yield Fault((f"{case_path}.speed",), "a speed together with a time", advice, "nothing")
     if case.speed == 0.0:
-        advice = "write share = 0 in place of the speed for a case at rest, which is checked statically only"
+        advice = "write share = 0 in place of the speed for a load case at rest, which is checked statically only"
         yield Fault((f"{case_path}.speed",), "any angular speed but zero", advice)
 
 

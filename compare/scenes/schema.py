@@ -277,12 +277,12 @@ class LoadCaseKeys(keys.SceneFileTable):
     """One of several load cases of the same parts: its loads, its supports, and its share of all revolutions."""
 
     name: keys.Sentence = key("name of the load case in all results: letters, digits, . _ and -", example="cutting")
-    share: Share | None = key("fraction of all revolutions; 0: static check only; the sum of all cases is 1", None, 0.5)
+    share: Share | None = key("fraction of all revolutions (sum over load cases: 1); 0: static check only", None, 0.5)
     time: CaseTime | None = key("duration in one duty cycle, from which the share follows (with speed)", None, "2 s")
-    speed: ranges.Turning | None = key("angular speed of the rotating part in this case (with time)", None, "600 rpm")
+    speed: ranges.Turning | None = key("angular speed of the rotating part in this load case (with time)", None, "600 rpm")
     loads: Loads | None = key("loads on the screw, instead of those of the scene", None, LOADED)
     supports: Annotated[list[LoadCaseSupportKeys], Field(max_length=1000)] = key(
-        "displacements of the scene's supports in this case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
+        "displacements of the scene's supports in this load case", [], [{"at": "0 mm", "displace": {"ux": "300 um"}}]
     )
     oversize: ranges.Deviation | None = key(
         "length added to the radius of every ball, instead of that of the scene", None, "3 um"
