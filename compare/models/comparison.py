@@ -428,7 +428,7 @@ def _error_and_ratio_rows(
     keys = PRINTED.get(scene.name, ("", "", ""))
 
     def printed(key: str) -> float | None:
-        """Return the value that Lin's thesis prints for the key ``key``; None without a key, or for models other than lin."""
+        """Return the value that Lin's thesis prints under ``key``; None without a key, or for models other than lin."""
         return printed_entry("lin-2.4.1", key).value if key and solution.model.startswith("lin") else None
 
     loaded = reference.load > 0.0

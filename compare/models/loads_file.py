@@ -399,8 +399,8 @@ class _ContactLoadRow:
     def __init__(self, path: Path, line: str, cells: Mapping[str, tuple[str, float, str]], *, decimal_comma: bool) -> None:
         """Store the cells of a row.
 
-        ``path`` and ``line``: file and line of the row, for error messages; ``cells``: by the name of each column its heading,
-        the factor from its unit to SI units, and the text of the cell; ``decimal_comma``: whether numbers have a decimal comma.
+        ``path`` and ``line``: file and line of the row, for error messages; ``cells``: heading, factor to SI units, and
+        text of the cell, by name of the column; ``decimal_comma``: whether numbers have a decimal comma.
         """
         self._path, self._line, self._cells_by_line, self._comma = path, line, cells, decimal_comma
 

@@ -190,8 +190,7 @@ def applicable_modelling_uncertainty(scene: str, by_scene: Mapping[str, Modellin
     """Return the modelling uncertainty of the 3D reference that applies to the scene named ``scene`` [% of the mean load].
 
     Returned is the largest modelling uncertainty of a contact load on the scene with the same parts on which choices were
-    varied; None without such a scene. ``by_scene``: modelling uncertainty of each scene on which choices were varied, by the
-    name of this scene.
+    varied; None without such a scene. ``by_scene``: modelling uncertainty of each scene with varied choices, by its name.
     """
     spoken = by_scene.get(SPOKEN_FOR.get(scene, ""))
     return None if spoken is None else spoken.largest

@@ -278,8 +278,8 @@ def roller_quantity_rows(roller: RollerKindWithLoad, runs: Sequence[RollerRun]) 
     def add_row(name: str, unit: str, scale: float, take: Callable[[RollerRun], float], **low: float) -> None:
         """Add the row of one quantity.
 
-        ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit; ``take``: function
-        that reads the quantity from a 3D solution in SI units; ``low``: values by low-order laws in SI units, by law.
+        ``name`` and ``unit``: name and unit of the quantity; ``scale``: factor from SI units to this unit; ``take``:
+        function that reads the quantity from a 3D solution in SI units; ``low``: values by low-order laws in SI units.
         """
         values = [scale * take(run) for run in runs]
         found = roller_quantity_convergence(values, runs)
