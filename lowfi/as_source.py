@@ -307,8 +307,8 @@ def equations_and_jacobian(
 def newton_start_values(system: LinEquations, start: Start, fraction: float) -> Array:
     """Return the unknowns ``(6 N + 6 n,)`` from which Newton's method starts: the nominal state, or a designer's guess.
 
-    The guess (if ``start`` is not "nominal") displaces the screw along its axis as if all balls carried equal shares of the
-    axial load times ``fraction``. The order of the unknowns is that of `equations_and_jacobian`.
+    The guess (if ``start`` is not "nominal") displaces the screw along its axis as if the axial load times
+    ``fraction`` were divided equally among all balls. The order of the unknowns is that of `equations_and_jacobian`.
     """
     problem = system.problem
     scene = problem.scene

@@ -282,7 +282,8 @@ def gate_check_of_published_entry(entry: PrintedEntryComparison, max_error: floa
 def check_published_entries(cache: SceneResultCache, max_error: float) -> list[GateCheck]:
     """Check those published numbers and claims that the program must reproduce: classes hard, as-printed and input.
 
-    `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of the error [%].
+    `printed.CLASSES` describes the classes. Entries without a computed value are left out. ``max_error``: upper limit of
+    the error [%].
     """
     gated = [
         e

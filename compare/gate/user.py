@@ -165,7 +165,7 @@ def _load_uncertainty_in_file(path: Path, given: ContactLoadsFromFile, mean: flo
     except ValueError:  # a UnitError too
         size = float("nan")
     if not 0.0 <= size < float("inf"):
-        allowed = "a share of the mean load such as 0.5 %, or a force such as 2 N"
+        allowed = "per cent of the mean load, such as 0.5 %, or a force such as 2 N"
         advice = decimal_comma_advice("or write a column uncertainty_N", note)
         raise InputError(str(path), f"note {UNCERTAINTY}", note or "nothing", allowed, advice)
     return np.full(given.load.shape, size), f"uncertain by {note}{' of the mean load' if share else ''}"

@@ -291,7 +291,7 @@ def judge_contact_loads(
         Error limits of the scene.
     flanks
         Flanks that are judged; loads on the others are not used. The number of contacts over which the mean load is taken
-        is reduced to the share of the loaded contacts that are on the judged flanks.
+        is reduced in proportion to the loaded contacts on the judged flanks.
     detail
         Text that is added to the explanation of the verdict.
 

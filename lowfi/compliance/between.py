@@ -103,7 +103,7 @@ def axial_range_of_contacts(geometry: Scene, tube: SmoothBody) -> tuple[float, f
     return geometry.nut.position - half, geometry.nut.position + half
 
 
-#: Functions whose results are cached by the tube, so that scenes with the same screw but another nut share results.
+#: Functions whose results are cached with the tube as key, so that the same screw with another nut needs no computation.
 cached_tube_compliance, cached_section_motions = (
     lru_cache(maxsize=32)(tube_compliance),
     lru_cache(maxsize=32)(shaft_motions_by_section_loads),

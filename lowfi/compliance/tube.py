@@ -479,9 +479,9 @@ def shaft_motions_by_section_loads(
 def slice_mean_weights(z: Array, slice_middle: float, half_thickness: float) -> tuple[Array, Array]:
     """Return the nodes' weights for the mean of a field, then for its mean first moment, over a slice of a shaft ``(k,)``.
 
-    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches ``half_thickness`` [m] to either side of ``slice_middle``
-    [m]. The first weights give the mean of the field, the second ones the mean of the field times the distance from
-    ``slice_middle`` [m]. Elements are quadratic.
+    ``z`` ``(k,)``: positions of the nodes [m]. The slice reaches from ``slice_middle`` - ``half_thickness``
+    to ``slice_middle`` + ``half_thickness`` [m]. The first weights give the mean of the field, the second ones the mean of
+    the field times the distance from ``slice_middle`` [m]. Elements are quadratic.
     """
     out = np.zeros((2, z.size))
     for a in range(0, z.size - 2, 2):

@@ -97,7 +97,9 @@ class BallScrewChain:
         if self.law not in LAWS:
             raise ValueError(f"law of the contact angle must be one of {', '.join(LAWS)}, got {self.law}")
         if self.spacing and (len(self.spacing) != self.balls - 1 or min(self.spacing) < 0.0):
-            raise ValueError(f"{self.balls - 1} distances between neighbouring balls are needed, none of them negative")
+            raise ValueError(
+                f"`spacing` must have {self.balls - 1} distances between neighbouring balls, none of them negative"
+            )
 
     @property
     def segment_compliances(self) -> Array:

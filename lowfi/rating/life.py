@@ -271,7 +271,7 @@ def _capacity_factors(scene: Scene) -> tuple[Array, float]:
 def contact_capacity(scene: Scene) -> Array:
     """Return the basic dynamic capacity Q_c of a contact on each raceway ``(4,)`` [N].
 
-    It follows from eq. (2) of this module for bearings and from eq. (3) for screws.
+    It is the contact load that a contact bears for 10^6 revolutions; eqs. (2) (bearings) and (3) (screws) of this module.
 
     Raises
     ------
@@ -532,7 +532,9 @@ def life_by_equivalent_loads(
 
 
 def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
-    """Return the axial forces on the two halves of a preloaded nut, by eq. (6) of this module.
+    """Return the axial forces on the two halves of a preloaded nut.
+
+    Under a force F the loaded half carries F_pr (1 + F/(2^(3/2) F_pr))^(3/2), until the other half loses contact; then F.
 
     Parameters
     ----------
