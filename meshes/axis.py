@@ -82,9 +82,9 @@ class Housing:
 class Joint:
     """Springs between two housings, as a stiffness matrix at one position on the shaft's axis."""
 
-    #: Name of one housing.
+    #: Name of the first housing.
     first: str
-    #: Name of the other housing.
+    #: Name of the second housing.
     second: str
     #: Axial position on the shaft's axis at which the springs act [m].
     at: float

@@ -202,8 +202,9 @@ def mesh_ball_with_refinement_boxes(
 ) -> CoarseBallMesh:
     """Mesh a ball coarsely, and leave a refinement box free around each contact for a finer mesh.
 
-    The face mesh of the box at a right flank is that of the box at the left flank, rotated. Where two boxes are close to
-    each other, gmsh may then fill the gap between them with flat cells; in this case each box is meshed independently.
+    The mesh on the faces of the box at a right flank is a rotated copy of the mesh at the left flank. Where two boxes are
+    close to each other, gmsh may then fill the gap between them with flat cells; in this case each box is meshed
+    independently.
 
     Parameters
     ----------
@@ -360,7 +361,7 @@ def _check_refinement_boxes_of_ball(m: GrooveMap, sockets: tuple[BallRefinementB
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
     outlines = {socket.side: points_in_ball_refinement_box(m, socket, 1.02 * around) for socket in sockets}
     for socket in sockets:
-        name = f"refinement box {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
+        name = f"refinement box at flank {SIDES[socket.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < socket.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * socket.depth:.4g} mm deep, not between 0 and 0.8 ball radii: {remedy}")
         points = points_in_ball_refinement_box(m, socket, around)
@@ -373,7 +374,7 @@ def _check_refinement_boxes_of_ball(m: GrooveMap, sockets: tuple[BallRefinementB
                 other is not socket
                 and _are_inside_cone(outlines[other.side], points, contact_frame_vectors(m, other.side)).any()
             ):
-                raise ValueError(f"the {name} and its box {SIDES[other.side]} overlap: {remedy}")
+                raise ValueError(f"the {name} and that at flank {SIDES[other.side]} overlap: {remedy}")
 
 
 def _are_inside_cone(outline: Array, points: Array, frame: Array) -> Flags:

@@ -157,8 +157,8 @@ class EllipsoidElementSizes:
     def edge_length_formula(self) -> str:
         """Return the edge length [m] as a formula of x, y, z for gmsh.
 
-        Outside the ellipsoid the length grows with a distance: the one between the ellipsoid and the similar ellipsoid
-        through the point, along the shortest semi-axis.
+        Outside the ellipsoid the length grows with the distance, measured along the shortest semi-axis, between the
+        ellipsoid and the similar ellipsoid through the point.
         """
         x, y, z = self.semi_axes
         away = f"({min(self.semi_axes)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"

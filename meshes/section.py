@@ -255,7 +255,7 @@ SOURCE_ELEMENT = 15.0e-3
 def contact_force_positions(scene: Scene, layout: BallLayout) -> Array:
     """Return the axial positions at which the contact forces on the screw's two flanks act on the beam.
 
-    They are those of the nominal contact points; with ``ingredients.arm = "ball"``, those of the ball centres.
+    These are the positions of the nominal contact points; with ``ingredients.arm = "ball"``, of the ball centres.
 
     Parameters
     ----------

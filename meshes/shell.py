@@ -788,7 +788,7 @@ def best_mesh_of_attempts(name: str, attempt: Callable[[Any, int, int, float], t
     Returns
     -------
     Body
-        The first mesh without a fault, or else the one with the smallest fault.
+        The first mesh without a fault, or else the mesh with the smallest fault.
 
     Raises
     ------

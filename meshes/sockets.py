@@ -426,7 +426,7 @@ def turns_and_distance_to_groove(m: GrooveMap, phi: float, z: float, helix_const
 def helix_constants_of_starts(m: GrooveMap) -> list[float]:
     """Return the constant z - r_g phi of the helix of each start's groove [m], with the lead per radian r_g.
 
-    It is the axial position at which the helix crosses azimuth 0; for a bearing ring, that of its one groove.
+    It is the axial position at which the helix crosses azimuth 0; for a bearing ring, the axial position of its one groove.
 
     Parameters
     ----------
