@@ -329,7 +329,7 @@ class BallRow:
 @register_frozen_defaults
 @dataclass(frozen=True)
 class BearingCase:
-    """Ball bearing with a rotating, loaded inner ring and a fixed outer ring: rows, clearance and load."""
+    """Ball bearing with a rotating, loaded inner ring and a fixed outer ring: rows of balls, clearance and force."""
 
     #: Grooves of the bearing, described as those of a screw with zero lead.
     groove: ScrewGroove

@@ -112,7 +112,7 @@ _OF_KIND = {
 
 
 def neglected_effects_of_kind(kind: str, coupling: str | None = None) -> list[str]:
-    """Return sentences on the effects that the friction of a scene of single parts (balls, one bearing) neglects.
+    """Return sentences on physical effects that the friction results of single parts (balls, one bearing) neglect.
 
     ``kind``: kind of the scene, such as "bearing ball"; ``coupling``: for a screw, which balance of loads includes
     friction: "none", "ball" (of the ball) or "ball and screw" (of both), as in the scene file; None for other kinds.

@@ -79,7 +79,7 @@ def contact_size_warnings_of_screw(groove: ScrewGroove, force: Array) -> list[Re
 
 
 def json_rows_of_two_screw_balls(result: ScrewPairSolution) -> list[dict[str, Any]]:
-    """Return a JSON row for each of two balls of a screw, first as if they were far apart, then touching.
+    """Return four JSON rows: for two balls of a screw far apart, one row each, then for the same balls touching.
 
     A row has contact loads, motion and groove loss. ``result``: solution of the two balls.
     """

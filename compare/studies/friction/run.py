@@ -304,7 +304,7 @@ def torque_rows_over_angle(history: TravelHistory) -> list[dict[str, object]]:
 
 
 def lines_on_simulation(run: TransientRun) -> list[Line]:
-    """Return terminal lines (label, text) on a simulation over time: torque, error of the time steps, any failure."""
+    """Return terminal lines (label, text) on a simulation over time: torque, error due to the time steps, failures."""
     h, e = run.history, run.error
     if not h.begun_step_count:
         return [("run", run.status)]

@@ -194,7 +194,7 @@ def touching_groups(touching: Mask) -> list[slice]:
 def solve_touching_group(
     balls: LoadedBalls, law: FrictionLaw, q: Array, ball_force: Array
 ) -> tuple[Array, Array, float, int]:
-    """Return the motions of a group of N touching balls and the forces between them, as the root of one system.
+    """Return the motions of a group of N touching balls and the forces between them, from one system of equations.
 
     The scaled equations are solved by MINPACK's hybrid method with a Jacobian by finite differences, as by Matlab's
     fsolve. ``balls``: the balls of this group; ``law``: friction law of their contacts with the grooves; ``q``: motions

@@ -238,7 +238,7 @@ class ScrewSolutionByLin:
 def solve_loads_and_motion_of_group(
     cell: BallsBetweenGrooves, law: FrictionLaw, start: BallStateByLin, reference_load: float
 ) -> BallStateByLin:
-    """Return loads and motions of N touching balls, as the root of one system, with the screw fixed in its position.
+    """Return contact loads and motions of N touching balls from one system of equations, with the screw fixed.
 
     The equations are 3.71 and 3.75 to 3.77 of Lin's thesis. ``cell``: the balls and their grooves; ``law``: friction
     law; ``start``: state from which the search starts, which also gives the position of the screw; ``reference_load``:
@@ -258,7 +258,7 @@ def solve_loads_and_motion_of_group(
         )
 
     def residual(x: Array) -> Array:
-        """Return the scaled equations of all balls, then the differences of the speeds of neighbours."""
+        """Return the residuals of the scaled equations of all balls, then the differences of the speeds of neighbours."""
         if not np.all(np.isfinite(x)):
             return np.full_like(x, 1e3)
         places, q, between = split(x)
@@ -287,7 +287,7 @@ def solve_loads_and_motion_of_group(
 def solve_loads_and_motion_of_groups(
     cell: BallsBetweenGrooves, law: FrictionLaw, touching: Mask, start: BallStateByLin, reference_load: float
 ) -> BallStateByLin:
-    """Return loads and motions of all N balls, with the screw fixed in its position, if it is known which balls touch.
+    """Return contact loads and motions of all N balls for known pairs of touching balls, with the screw fixed.
 
     Each group of touching balls is solved separately. ``cell``: the balls and their grooves; ``law``: friction law;
     ``touching``: whether each ball touches the next one ``(N-1,)``; ``start``: state of all balls from which the
@@ -485,7 +485,7 @@ class ScrewHistoryByLin:
 
     @property
     def overlapping_step_count(self) -> int:
-        """Number of steps whose root is impossible: neighbours that count as apart approach, or touching ones pull."""
+        """Number of steps whose root is impossible: balls that count as apart approach, or touching balls attract."""
         return self.status.count("overlapping")
 
     @property

@@ -79,7 +79,7 @@ class LinearBearing:
             )
 
     def contact_hertz_constants(self) -> HertzConstants:
-        """Return the Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
+        """Return the Hertz constants of a ball in a straight groove; semi-axis a lies across the groove, b along it."""
         return _hertz_constants(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def semi_axis_constant(self) -> float:

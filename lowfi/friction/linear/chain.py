@@ -114,7 +114,7 @@ class LinearChainSolution:
 
     @property
     def velocity_deviation(self) -> Array:
-        """Deviation of each ball's velocity from half the carriage's velocity, over the latter (Lin 3.42) ``(N,)``."""
+        """Deviation of each ball's velocity from half the carriage's, divided by that half (Lin 3.42) ``(N,)``."""
         return np.asarray(2.0 * self.velocity / self.carriage_speed - 1.0)
 
     @property

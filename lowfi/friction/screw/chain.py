@@ -99,7 +99,7 @@ class FrictionContacts:
 
 @dataclass(frozen=True)
 class BallChain(ABC):
-    """N balls of one track in the order of azimuth, with their contact loads (interface).
+    """Interface of N balls of one track, in the order of azimuth, with their contact loads.
 
     An unloaded ball rolls at the nominal speed unless its neighbours push it. Between its neighbours it turns without
     friction, as a spacer ball does.
@@ -126,7 +126,7 @@ class BallChain(ABC):
         """Coefficient of friction between touching balls."""
 
     def wrench(self, pull: Array) -> Array:
-        """Return force and moment of friction on the balls at each contact, in the axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """Return force, then moment of friction on the balls at each contact, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track and z3 the binormal. ``pull``: friction on the balls in the axes of each
         contact ``(N, 4, 3)``: force along x and along z [N], moment about y [N m].
@@ -209,7 +209,7 @@ class ChainMotion:
 
     @property
     def losses_by_cause(self) -> tuple[float, float, float]:
-        """Power lost in the grooves, between balls that slide on each other, and by gaps that close under force [W]."""
+        """Power lost in the grooves, then by balls that slide on each other, then by gaps that close under force [W]."""
         return float(self.groove_loss.sum()), float(self.ball_loss.sum()), float(self.closing_loss.sum())
 
     @property

@@ -175,11 +175,11 @@ class GroovesInMotion(HelicalMotion, ABC):
     @property
     @abstractmethod
     def contact_hertz_constants(self) -> GrooveHertzConstants:
-        """Hertz constants of the contacts of a nominal ball at the nominal contact angle."""
+        """Hertz constants of the contacts of a ball of nominal size at the nominal contact angle."""
 
     @cached_property
     def pair(self) -> TouchingBallsGeometry:
-        """Geometry of the contact of two nominal balls that touch."""
+        """Geometry of the contact of two touching balls of nominal size."""
         return touching_balls_geometry(self)
 
 

@@ -197,7 +197,7 @@ class BallMotion:
 
     @property
     def wrench(self) -> Array:
-        """Force (first three) and moment of friction on the ball at each of its contacts ``(4, 6)`` [N, N m].
+        """Force (first three components), then moment of friction on the ball at each contact ``(4, 6)`` [N, N m].
 
         Components are those along x3 (radial), y3 (along the track), z3 (binormal).
         """
@@ -210,7 +210,7 @@ class BallMotion:
 
 
 def friction_wrench_at_contacts(normals: Array, force: Array, moment: Array) -> Array:
-    """Return force (first three) and moment of friction on balls at each contact in x3, y3, z3 ``(..., 4, 6)`` [N, N m].
+    """Return force, then moment of friction on balls at each contact, along x3, y3, z3 each ``(..., 4, 6)`` [N, N m].
 
     x3 is radial, y3 along the track, z3 the binormal. ``normals``: directions from the ball's centre to the contacts in
     these axes ``(..., 4, 3)``; ``force``: friction along the contacts' axes x, z ``(..., 4, 2)`` [N]; ``moment``:

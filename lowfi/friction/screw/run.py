@@ -289,7 +289,7 @@ class Run:
 
     @property
     def spacing(self) -> Array:
-        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
+        """Difference of the azimuths of each ball and the next one if they touch ``(N,)`` [rad]."""
         return np.full(self.count, self.groove.pair.spacing)
 
     @property
@@ -308,7 +308,7 @@ class Run:
         return self.count * self.groove.pair.spacing / (2.0 * np.pi * self.turns)
 
     def place(self, azimuth: Array, nut_angle: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the balls' azimuths folded into the closed track, and which balls are in its loaded turns.
+        """Return the balls' azimuths, reduced to one passage of the closed track, then which balls are in the loaded turns.
 
         ``azimuth``: azimuths of the balls, measured on the screw, which increase without bound ``(N,)`` [rad];
         ``nut_angle``: angle by which the nut has turned relative to the screw [rad]. Returns first the azimuths within one
@@ -405,7 +405,7 @@ def simulate_equal_steps(run: Run) -> TravelHistory:
 
 @dataclass(frozen=True)
 class ScrewRunSummary:
-    """The results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study."""
+    """Results of a simulated ball screw, the same as section 3.4.4 of Lin's thesis states for its case study."""
 
     #: Largest ratio of the friction torque between balls to that in the grooves.
     largest_ball_to_groove_ratio: float
@@ -420,7 +420,7 @@ class ScrewRunSummary:
 
 
 def summarise_screw_run(result: TravelHistory) -> ScrewRunSummary:
-    """Return the results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study.
+    """Return those results of a simulated ball screw that section 3.4.4 of Lin's thesis states for its case study.
 
     Parameters
     ----------

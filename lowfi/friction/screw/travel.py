@@ -134,7 +134,7 @@ class SimulatedSystem(Protocol):
 
     @property
     def spacing(self) -> Array:
-        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
+        """Difference of the azimuths of each ball and the next one if they touch ``(N,)`` [rad]."""
 
     @property
     def number(self) -> NDArray[np.int64]:
@@ -161,7 +161,7 @@ class SimulatedSystem(Protocol):
 
 @dataclass(frozen=True)
 class TravelHistory:
-    """Time history of N balls that travel round their tracks, over time steps that are cut into T pieces in all.
+    """Time history of N balls that travel round their tracks. All time steps together consist of T pieces.
 
     Ball k pushes the next ball of its track: forces and gaps with index k lie between these two balls.
     """
@@ -275,7 +275,7 @@ class TravelHistory:
 
     @property
     def contact(self) -> Mask:
-        """Whether each ball presses on the next one ``(T, N)``: the dots in Figure 3.24 of Lin's thesis."""
+        """Whether each ball presses on the next one ``(T, N)``, as shown by dots in Figure 3.24 of Lin's thesis."""
         return np.asarray(self.ball_force > 0.0)
 
     @property
@@ -560,7 +560,7 @@ class TimeStepErrors:
 
     @property
     def largest_error(self) -> float:
-        """Largest error of all quantities, as a ratio to the mean torque."""
+        """Largest of the estimated errors of all quantities, as a ratio to the mean torque."""
         return max(q.error for q in self.errors_by_quantity.values())
 
     @property
@@ -574,7 +574,7 @@ class TimeStepErrors:
 
 
 def mean_torque_difference(long_step_torques: Array, short_step_torques: Array) -> float:
-    """Return the mean absolute difference of the torques of two simulations of the same time, in the unit of the torques.
+    """Return the mean absolute difference between the torques of two simulations over the same time, in their unit.
 
     ``long_step_torques``: mean torque in each of the S time steps of the simulation with longer steps ``(S,)``;
     ``short_step_torques``: mean torque in each of the S' >= S steps of the other simulation ``(S',)``, which is

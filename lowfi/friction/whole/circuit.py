@@ -240,7 +240,7 @@ class SceneBallChain(BallChain):
         return self.ball_to_ball_mu
 
     def wrench(self, pull: Array) -> Array:
-        """Return force and moment of friction on the balls in the section's axes x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """Return force, then moment of friction on the balls, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track, z3 the binormal. ``pull``: friction in the axes of each contact ``(N, 4, 3)``:
         two forces [N] and the moment about the normal [N m].
@@ -347,7 +347,7 @@ class BallsInCircuits:
         return np.asarray(out - self.touching_spacing)
 
     def fold_into_circuits(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the positions of all balls in their circuits, and which balls are on a loaded arc.
+        """Return the azimuths of all balls within one revolution of their circuits, then which are on a loaded arc.
 
         ``azimuth``: azimuths in the nut's frame ``(N,)`` [rad], which increase without bound as balls circulate.
 

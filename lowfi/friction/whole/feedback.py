@@ -115,7 +115,7 @@ def _unbalanced_forces(force: Array, normal: Array, along: Array, applied: Array
 
 @dataclass(frozen=True)
 class FrictionEquilibrium:
-    """Contacts of N balls whose loads are in equilibrium with the friction that acts in the same contacts.
+    """Contacts of N balls, with contact loads in equilibrium with the friction that acts in the same contacts.
 
     A ball fails if its forces, or the axial load that it carried without friction, are out of balance by more than
     ``ACCEPTED`` times the sum of its contact loads.

@@ -111,7 +111,7 @@ class BallFriction:
         return float(self.loss.sum())
 
     def wrench(self, normals: Array) -> Array:
-        """Return force and moment of friction on each ball at its contacts in x3, y3, z3 ``(N, 4, 6)`` [N, N m].
+        """Return force, then moment of friction on each ball at its contacts, along x3, y3, z3 each ``(N, 4, 6)`` [N, N m].
 
         x3 is radial, y3 along the track, z3 the binormal. ``normals``: unit vectors from each ball's centre to its
         contacts in these axes ``(N, 4, 3)``.
@@ -191,7 +191,7 @@ def friction_of_motions(
     status: list[str],
     imbalance: float,
 ) -> BallFriction:
-    """Return motion, friction and losses of N balls as one record; losses are computed from given motions and friction.
+    """Return motion, friction and losses of N balls as one record; the losses follow from the other two.
 
     ``contacts``: contacts of the balls; ``motions``: motions ``(N, 4)`` [rad/s], orbit and then rotation, nan without
     load; ``motion``: sliding and spin of the contacts ``(N, 4, 3)`` [m/s, rad/s]; ``pull``: friction on the ball ``(N,
@@ -291,7 +291,7 @@ WIDE = 0.03
 
 
 def hertz_pressure_quadrature(outwards: int = OUTWARDS, around: int = ROUND) -> tuple[Array, Array, Array]:
-    """Return points and weights of a quadrature over the unit disc, with the Hertz pressure as weight function.
+    """Return points x, z, then weights of a quadrature over the unit disc, with the Hertz pressure as weight function.
 
     ``outwards``, ``around``: numbers of points along a radius and around the disc, k in all.
 
@@ -397,7 +397,7 @@ def least_dissipated_power(rows: Array, added: Array, strength: Array, start: Ar
 def heathcote_loss_increase(
     scene: Scene, contacts: StaticContacts, by_ball: BallFriction, friction: Friction, drive: Drive
 ) -> float:
-    """Return the relative increase of all contact losses by Heathcote slip at given loads; nan without any loss.
+    """Return the relative increase of the summed contact losses by Heathcote slip at given loads; nan without any loss.
 
     Heathcote slip comes from the curvature of the contact surfaces across the groove. The increase is the ratio of the
     loss with curved contact surfaces to that with flat ones, less 1. Quadrature and regularised friction, which are the

@@ -95,11 +95,11 @@ class TravellingCompliance:
         return np.asarray(left * (left - share) * first + 4.0 * share * left * second + share * (share - left) * third)
 
     def new_window(self, layout: BallLayout, track: Track, compute: Callable[[BallLayout], Array]) -> ComplianceWindow:
-        """Return a new window that begins at the positions ``layout``, with the body's compliance at its three positions.
+        """Return a window that begins at the positions ``layout``, with the body's compliance at its three positions.
 
-        The window is shorter than ``window_angle`` where a ball would otherwise pass the face of the nut. ``track``:
-        helix along which the balls travel; ``compute``: function that returns the compliance [m/N] at given positions
-        of the balls. Raises ValueError if ``compute`` raises it even for the shortest window.
+        The window is shorter than ``window_angle`` where a ball would otherwise pass the face of the nut. The body is
+        screw or nut. ``track``: helix along which the balls travel; ``compute``: function that returns the compliance
+        [m/N] at given positions of the balls. Raises ValueError if ``compute`` raises it even for the shortest window.
         """
         rate, length = lead_per_radian(track), self.window_angle
         while True:
@@ -173,7 +173,7 @@ class SceneInMotion:
     fast: bool = True
 
     def angles(self, time: float) -> tuple[float, float]:
-        """Return the angle by which the screw, then that by which the nut has turned in space after a given time [rad].
+        """Return the angle [rad] by which the screw, then by which the nut has turned in space after a given time.
 
         ``time``: time since the start [s].
         """
@@ -238,7 +238,7 @@ class SceneInMotion:
 
     @property
     def spacing(self) -> Array:
-        """Azimuth difference of each ball and the next one where both touch ``(N,)`` [rad]."""
+        """Difference of the azimuths of each ball and the next one if they touch ``(N,)`` [rad]."""
         return self.balls.touching_spacing
 
     @property

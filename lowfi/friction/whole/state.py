@@ -236,5 +236,5 @@ def friction_state(
 
 
 def reversed_motion(drive: Drive) -> Drive:
-    """Return the motion ``drive`` of screw or nut with the opposite speed."""
+    """Return the motion of screw or nut that is opposite to ``drive``."""
     return replace(drive, speed=-drive.speed)

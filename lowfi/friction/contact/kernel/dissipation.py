@@ -132,7 +132,7 @@ def confocal_coordinate(x: float, y: float, h: float, b2: float) -> float:
 
 @kernel
 def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Carlson's integrals.
+    """Return the pressure-weighted mean distance psi of a contact from a point, with derivatives, by Carlson's integrals.
 
     The function is for points with a confocal coordinate ``low`` <= 1 (`confocal_coordinate`). x, y, h: coordinates of
     the point in units of the semi-axis a, with the height h above the ellipse; b2: square of the ratio of the
@@ -175,7 +175,7 @@ def mean_distance_near_ellipse(x: float, y: float, h: float, b2: float, low: flo
 
 @kernel
 def mean_distance_far_from_ellipse(x: float, y: float, h: float, b2: float, low: float) -> Potential:
-    """Return the mean distance psi of a point from the Hertz pressure, with its derivatives, by Gauss sums.
+    """Return the pressure-weighted mean distance psi of a contact from a point, with derivatives, by Gauss sums.
 
     The function is for points with a confocal coordinate ``low`` >= 1 (`confocal_coordinate`). The other arguments are
     those of `mean_distance_near_ellipse`.

@@ -96,7 +96,7 @@ def contact_friction(balls: BallArrays, x: Array, eps: float, motion: Array, pul
 
 @kernel
 def ball_on_ball_sliding(groove: GrooveArrays, this: Array, other: Array, eps: float) -> tuple[float, float, float]:
-    """Return the velocity (u, v) at which a ball slides on the next one, and its regularised size sqrt(u^2 + v^2 + eps^2).
+    """Return the velocity u, v at which a ball slides on the next one, then the regularised speed sqrt(u^2 + v^2 + eps^2).
 
     u, v: components along two tangents of the contact. All speeds are divided by the nut's speed along the path.
     groove: geometry of the contact of two balls; this (4,): motion of the ball; other (4,): motion of the next one;
