@@ -502,7 +502,7 @@ def pressure_from_nodal_forces(
     """
     if not forces.sum() > 0.0:
         raise ValueError(
-            f"no contact pressure on flank {side}: its contact got a force of {forces.sum():.3g} N; allowed: > 0 N"
+            f"no contact pressure on flank {side}: its contact carries a force of {forces.sum():.3g} N; allowed: > 0 N"
         )
     arms = patch.contact_points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = contact_frame_vectors(m, side)

@@ -151,7 +151,7 @@ def _elimination_tree(graph: sp.csr_array) -> Index:
 
 
 def _weighted_graph(weights: Array, rows: Index, columns: Index, n: int) -> sp.csr_array:
-    """Make the sparse matrix ``(n, n)`` of a graph, with entries ``weights`` at the given rows and columns.
+    """Make the sparse matrix ``(n, n)`` of a graph, with the entries ``weights`` at ``rows`` and ``columns``.
 
     The indices of the matrix have 32 bits, because csgraph of scipy 1.15 takes no others.
     """

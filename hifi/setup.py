@@ -471,7 +471,7 @@ def compute_records(
                 future.result()
         except BrokenProcessPool as error:
             raise MemoryError(
-                "a process of the set-up was ended from outside: free some memory, or use fewer processes"
+                "a process that meshes or condenses parts was ended from outside: free some memory, or use fewer processes"
             ) from error
         except KeyboardInterrupt:  # a job may take minutes: nobody waits for it
             others.terminate(kill_workers=True)

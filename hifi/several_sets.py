@@ -73,8 +73,8 @@ def meshed_geometry_of_each_set(assembly: Assembly) -> tuple[MeshedSetGeometry, 
     for s in assembly.sets:
         if not isinstance(s.parts, Scene):
             raise ValueError(
-                f"{s.name}: the 3D reference cannot solve a roller bearing on a shaft; mesh-study solves one of its "
-                "rollers in 3D"
+                f"{s.name}: the 3D reference cannot solve a roller bearing on a shaft; the command mesh-study solves a "
+                "single roller in 3D"
             )
         if s.carrier is not None:
             raise ValueError(f"{s.name}: the 3D reference cannot model a bearing whose inner ring is on a housing")

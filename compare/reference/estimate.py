@@ -287,8 +287,8 @@ def derive_uncertainty_of_other_scenes(
             errors[both].append(np.maximum(np.abs(_load_change(loads, levels[0], finest, finest)) - held, 0.0))
     if not shifts or not all(errors):
         raise ValueError(
-            "the mesh uncertainty of other scenes needs scenes with one and with both flanks of the screw loaded, which "
-            "were solved on fine mesh levels"
+            "the mesh uncertainty of a scene on a single level follows from other scenes: it needs one with one loaded "
+            "flank of the screw and one with both loaded, solved on several mesh levels"
         )
     common = float(np.sqrt(np.mean(np.square(shifts)) / 2.0))
     return UncertaintyFromOtherScenes(

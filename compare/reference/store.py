@@ -129,7 +129,8 @@ def common_measuring_conditions(conditions: Iterable[MeasuringConditions]) -> Me
     found = set(conditions)
     if len(found) > 1:
         raise ValueError(
-            f"the computing times stem from several measuring runs that differ: {', '.join(sorted(map(str, found)))}"
+            "the computing times stem from several measuring runs under different conditions: "
+            f"{', '.join(sorted(map(str, found)))}"
         )
     return next(iter(found), None)
 

@@ -360,7 +360,7 @@ def _grid_interpolation_matrix(mesh: PatchMesh, xi: Array) -> sp.csr_array:
     """
     if mesh.contact_grid_shape is None:
         raise ValueError(
-            "displacements cannot be interpolated on a mesh whose contact nodes form no grid: it must consist of hexahedra"
+            "displacements cannot be interpolated on a mesh whose contact nodes form no grid: use a mesh of hexahedra"
         )
     top = np.flatnonzero(np.abs(mesh.local_coordinates[:, 1]) < 1e-12)
     axes = [np.unique(np.round(mesh.local_coordinates[top, axis], 12)) for axis in (0, 2)]
@@ -451,7 +451,7 @@ def socket_interpolation_matrix(xi: Array, socket: RefinementBoxFaces, *, linear
     if not done.all():
         raise ValueError(
             "a boundary node of the fine mesh around a contact lies on no triangle of the refinement box that it fills: "
-            "both must have the same size"
+            "mesh and box must have the same size"
         )
     matrix = sp.coo_array(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (len(xi), len(socket.xi))
@@ -494,7 +494,10 @@ class _PatchStiffnessBlocks:
 def _assemble_patch_stiffness_blocks(
     mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
 ) -> _PatchStiffnessBlocks:
-    """Assemble the stiffness blocks of a patch; the arguments are those of `condense_patch`."""
+    """Assemble the stiffness blocks of a patch.
+
+    ``mesh``, ``normals``, ``young``, ``poisson``: as for `condense_patch`; ``carrier``: the ``coarser_patch`` there.
+    """
     base = mesh if carrier is None else carrier
     K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)
     if np.isin(mesh.contact_nodes, mesh.interface_nodes).any():

@@ -236,7 +236,7 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
         if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
             raise ValueError(
                 "the reference coordinates of points are known only on faces, in the first cell of each face: "
-                "compute the points by G first"
+                "compute the points by `CachedIsoparametricMap.G` first"
             )
         return self._reference_points(X, find)
 

@@ -199,7 +199,7 @@ def _newton_terms_of_coulomb_law(
     def free_rows(A: Array) -> Array:
         """Return the rows of a matrix (2 n, k) for the unknowns of Newton's step.
 
-        A slipping cell has one, perpendicular to its pull; a cell that sticks has two, along x and y.
+        A slipping cell has one unknown, across the direction of q - r s; a cell that sticks has two, along x and y.
         """
         return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
 
@@ -294,7 +294,8 @@ def _solve_smoothed_friction(
 def _smoothed_residual(c: FrictionContact, q: Array, y: Array, smoothing_speed: float, elastic: bool) -> Array:
     """Compute the residual of the smoothed friction law in one contact ``(2 n,)`` [N]: forces less those of the law.
 
-    The arguments are those of `_solve_smoothed_friction`.
+    ``c``: the contact; ``q``: tangential forces (2 n,) [N]; ``y``: motions of all bodies; ``smoothing_speed``: slip speed
+    by which the law is smoothed [m/s]; ``elastic``: whether the slip by elastic displacements is included.
     """
     return q - coulomb_friction_forces(c.friction_limits, c.slip(q, y) if elastic else c.rigid_slip(y), smoothing_speed)
 

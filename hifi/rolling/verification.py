@@ -348,7 +348,7 @@ def solve_normal_contact_by_patches(
     """
     if at.path_radius_and_rise is None:
         raise ValueError(
-            "the static 3D reference got a contact on a straight track; allowed: a path of the balls along a ring or helix"
+            "the static 3D reference does not model straight tracks: the balls must move along a ring or a helix"
         )
     zone = at.contact_zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
     groove, ball = mesh_contact_pieces(

@@ -264,7 +264,7 @@ def join_and_support_shaft_parts(
     if any(s.moves_with_base != rigid for s in stretches):
         raise ValueError(
             "some rings on the shaft have a rigid bore, which moves with the shaft, and others an elastic one: give all "
-            "the same kind"
+            "rings the same kind of bore"
         )
     acted = frame.support_and_load_positions
     ends = {z for s in stretches for z in (s.base_position, *s.ports)}

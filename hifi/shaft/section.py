@@ -386,7 +386,7 @@ def _mesh_helical_section(m: GrooveMap, outer: float, bore: float, cells: tuple[
         )
     if bore >= r.min():
         raise ValueError(
-            f"the bore of a shaft cuts its groove: got a radius of {1e3 * bore:.4g} mm; allowed: less than "
+            f"the bore of a shaft cuts its groove: got a bore radius of {1e3 * bore:.4g} mm; allowed: less than "
             f"{1e3 * r.min():.4g} mm"
         )
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(r), np.diff(zeta)))])  # even cells along the flank
