@@ -192,4 +192,4 @@ def _tables_of_times(jobs: Sequence[RunTimeRow]) -> Iterator[object]:
     forms = {"seconds": ".3g", "error_percent": ".2f", "ratio": ".3g", "unknowns": "d", "peak_MB": ".0f"}
     rows = ([job.job, *(format_cell(getattr(job, name), form) for name, form in forms.items()), job.note] for job in jobs)
     headings = ("job", "seconds", "error %", "ratio", "unknowns", "peak MB", "what is included")
-    yield ruled_table("computing times", headings, rows, ("job", "what is included"))
+    yield ruled_table("computing times on this computer", headings, rows, ("job", "what is included"))

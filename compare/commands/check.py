@@ -97,7 +97,11 @@ def judge_and_report(
     outcomes = [file_row_of_verdict(v) for v in verdicts]
     changed = files.changes_since_baseline(outcomes)
     above = [f"WARNING: {warning}" for warning in found.warnings]
-    below = [f"not judged, because the file or the reference has no value: {', '.join(left)}"] if left else []
+    below = (
+        [f"quantities not judged, because the file or the reference has no value of them: {', '.join(left)}"]
+        if left
+        else []
+    )
     below += files.baseline_change_lines(changed)
     written = files.write(outcomes, [*above, *below])
     data: dict[str, Any] = found.to_dict()

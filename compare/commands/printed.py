@@ -133,10 +133,12 @@ def printed_entries_table(rows: Sequence[PrintedEntryComparison], changed: Seque
 
     headings = [name + (" (not judged)" if name in APART else "") for name in ("source", *VERDICTS, "judged", "all")]
     table = ruled_table(
-        "printed numbers by verdict", headings, (map(str, row.values()) for row in count_entries_by_verdict(rows))
+        "numbers printed in publications, by verdict",
+        headings,
+        (map(str, row.values()) for row in count_entries_by_verdict(rows)),
     )
-    entries = Table(title="printed numbers and claims", title_justify="left")
-    for heading in ("entry", "printed", "as printed", "right", "3D", "error %", "verdict", "reason"):
+    entries = Table(title="numbers and claims printed in publications", title_justify="left")
+    for heading in ("table:key", "printed", "with mistakes", "computed", "3D reference", "error %", "verdict", "reason"):
         entries.add_column(heading, overflow="fold")
     for one in rows:
         data = entry_json(one)
@@ -159,7 +161,7 @@ def computation_trace(table: str = "") -> CommandOutput:
     from rollbench.compare.evidence import computations_of_entries
 
     entries = list(computations_of_entries(table))
-    shown = Table(title="how every printed number is computed and tested", title_justify="left")
+    shown = Table(title="how the value for every printed number is computed and tested", title_justify="left")
     for heading in ("table", "key", "printed", "class", "scenes, or reason for none", "computed by", "test"):
         shown.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
     for t in entries:

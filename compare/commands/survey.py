@@ -180,9 +180,9 @@ def _stability_tables(
         [*(str(line[f]) for f in words), format_cell(line["residual"], ".1e"), format_cell(line["difference"], ".0e")]
         for line in stability_table_rows(rows)
     )
-    yield ruled_table("extreme scenes by solver", (*words, "residual", "difference %"), lines, words)
+    yield ruled_table("outcome of every solver on extreme scenes", (*words, "residual", "difference %"), lines, words)
     for name, (solved, tried, total) in count_expected_outcomes(rows).items():
-        yield f"{name}: solved {solved} of {tried} attempted cases, out of {total}"
+        yield f"{name}: solved {solved} of {tried} attempted scenes; the table has {total}"
     for row in failures:
         yield f"FAILED: {row.case}: {row.status}; expected outcome: {row.expected}"
 

@@ -485,7 +485,7 @@ def residual_at(
 def slope_along(given: BodySystem, state: ForceState, workspace: BodyWorkspace) -> float:
     """Return the derivative [J] of the energy by the step length, along the Newton step in the workspace.
 
-    The ``workspace`` also holds the present flank motions and ball forces; ``state`` holds the contact forces.
+    The ``workspace`` also holds the present flank motions and ball forces; ``state`` is not used.
     ``given``: arrays of bodies, balls and rollers.
     """
     step = workspace.step
