@@ -38,7 +38,7 @@ from rollbench.meshes.parts import SIDES, Load, Scene
 REFERENCED = names_of_scenes_with_role("referenced")
 
 #: Definition of the error that is compared with the limit (`measure.load_scale_of_check_errors`), as text.
-RULE = "in per cent of a contact's own load, of the mean load for contacts below a tenth of it"
+RULE = "in per cent of the contact's own load, or of the mean load if its own load is below a tenth of the mean"
 
 #: For each scene of Lin's thesis, the keys of its printed errors (largest, RMS) and of its printed load ratio; empty: none.
 PRINTED = {

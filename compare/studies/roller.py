@@ -405,7 +405,8 @@ def low_order_error_sentence(roller: RollerKindWithLoad, runs: Sequence[RollerRu
     hertz = line_contact_pressures(roller.roller_row, best.middle_line_load[0])
     middle = max(abs(float(error_percent(p, h))) for p, h in zip(best.middle_pressure, hertz, strict=True))
     return (
-        f"Stiffness of a roller under {roller.largest_load:.4g} N against 3D: slices {off:+.1f} %, spring of ISO/TS 16281 "
+        f"Errors of the stiffness of a roller under {roller.largest_load:.4g} N against 3D: slice model {off:+.1f} %, "
+        f"spring of ISO/TS 16281 "
         f"{norm:+.1f} %. Pressure in the middle within {middle:.2g} % of line contact. {best.cpu_seconds:.0f} s of "
         f"a processor on level {best.level}, measured with {best.versions['rollbench']}."
     )

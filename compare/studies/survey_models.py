@@ -334,17 +334,22 @@ def figure_of_errors_on_random_screws(data: Mapping[str, Any]) -> Figure:
         names = [f"screw {r['screw']}, {r['title']}" for _, r in found]
         errors = [r["largest_percent"] for _, r in found]
         points.append(Series(title, [k for k, _ in found], errors, "markers", bold=title == main, point_names=names))
-    label = "worst contact load: error / % of the mean load"
+    label = "largest error of a contact load / % of the mean load"
     return Figure(
         "survey",
         f"Errors of the model {main} on {len(models[main])} randomly drawn ball screws",
         (
             Panel(
-                "share of screws below an error", label, "share of the screws / %", lines, log_axes="x", include_zero=True
+                "share of screws whose largest error is below a value",
+                label,
+                "share of the screws / %",
+                lines,
+                log_axes="x",
+                include_zero=True,
             ),
-            Panel("error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
+            Panel("largest error on each screw", f"screws, sorted by the error of {main}", label, points, log_axes="y"),
         ),
-        f"Errors against mesh level {data['level']} of the 3D reference; those of refined and lin are stored ones.",
+        f"Errors against mesh level {data['level']} of the 3D reference; errors of refined and lin are stored ones.",
         columns=1,
         size=(4.0, 6.4),
     )

@@ -37,7 +37,7 @@ def test_loads_of_another_program(command, tmp_path, factor: float, code: int, w
     assert out.startswith(f"{word}: two-balls by mesys.csv; worst contact ")
     assert " % of the mean load off (ball" in out.splitlines()[0]
     assert re.search(rf"^{word.lower()} +largest error of a contact load +[\d.]+ % +0.\d\d % +7 %", out, re.MULTILINE)
-    assert "in per cent of a contact's own load, of the mean load for contacts below a tenth of it" in out
+    assert "in per cent of the contact's own load, or of the mean load if its own load is below a tenth of the mean" in out
 
 
 def test_json_of_a_model_and_of_a_scene_without_reference(command, tmp_path) -> None:
