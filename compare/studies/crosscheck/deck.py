@@ -232,7 +232,7 @@ class DeckOptions:
 class MeshedDeck:
     """Input deck for CalculiX, with the expected contact loads and the quality of its meshes."""
 
-    #: The deck.
+    #: Input deck: nodes, elements, contacts, supports and loads.
     deck: InputDeck
     #: Contact loads by the low-order model "refined", (n, 4) [N], for n balls and the flanks SL, SR, NL, NR.
     expected_loads: Array

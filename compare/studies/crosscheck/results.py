@@ -7,16 +7,17 @@ field of a contact changes, the element size at the distance d, divided by the l
 (h + g d) / (c + d). The energy of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error
 of order p of the elements' relative size thus changes a load in proportion to
 
-    e = int_0^1 (x h / c + (1 - x) g)^p dx,
+    e = int_0^1 (x h / c + (1 - x) g)^p dx.
 
 The compliance 1 / k of the contact law (an overclosure in series with the approach of the contact) changes a load F in
 proportion to 1 / k, to first order:
 
     F = F0 + A e + B / k,  c = lambda b,  b the minor semi-axis of the contact at its load.
 
-B is taken from pairs of runs that differ only in k, where nothing else scatters. A and F0 differ between contacts; lambda
-and p are common to all contacts of a scene and fitted to all meshes. If h and g are refined together, h = s h1 and
-g = s g1, e is s^p times a constant, and lambda has no effect: then the fit is the usual one by s, with a free order.
+A, B and F0 are fitted: B from pairs of runs that differ only in k, where nothing else scatters. A and F0 differ between
+contacts; lambda and p are common to all contacts of a scene and fitted to all meshes. If h and g are refined together, h =
+s h1 and g = s g1, e is s^p times a constant, and lambda has no effect: then the fit is the usual one by s, with a free
+order.
 
 What the law neglects, and the random differences between meshes of one size, shrink with the elements' error. So the
 residual of every mesh is divided by its e (of order 3), as in weighted fits of grid convergence (Eca and Hoekstra, J.
@@ -75,7 +76,7 @@ class CalculixRun:
     nlgeom: bool
     #: Element size at the contacts [m].
     fine: float
-    #: Digest of the deck.
+    #: Digest (hash value) of the deck's text.
     deck: str
     #: Meshes of the bodies.
     meshes: tuple[BodyMesh, ...]
@@ -85,7 +86,7 @@ class CalculixRun:
     weak: float
     #: Largest unbalanced force of a ball after the force of the weak springs is deducted [N].
     unbalanced: float
-    #: Number of iterations.
+    #: Number of iterations of CalculiX.
     iterations: int
     #: Last correction of the displacements in the iteration [% of the largest displacement].
     correction: float

@@ -67,7 +67,7 @@ class CalculixResult:
     forces: dict[str, Triple]
     #: Displacements of those nodes for which the deck requests output, by node set and node, in the unit of the deck.
     node_displacements: dict[str, dict[int, Triple]]
-    #: Number of iterations.
+    #: Number of iterations of CalculiX.
     iterations: int
     #: Last correction of the displacements over the largest displacement [%].
     correction: float

@@ -368,7 +368,7 @@ class RunFromRest:
     steady_force: float
     #: Processor time [s].
     seconds: float
-    #: Status of the solver.
+    #: Status of the solver in words.
     status: str
 
 
@@ -408,7 +408,7 @@ class ChoiceEffect:
 
     #: Name of the scene.
     scene: str
-    #: Name of the choice.
+    #: Name of the numerical choice, such as "grid".
     choice: str
     #: Variants that were tried.
     tried_variants: str

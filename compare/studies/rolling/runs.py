@@ -68,7 +68,7 @@ class RollingRun:
     scene: str
     #: Level of the grid; 0: element size of Lin's thesis.
     level: int
-    #: Cells along and across the grooves.
+    #: Numbers of cells of a contact along and across the groove.
     shape: tuple[int, int]
     #: Values with elastic bodies, by name of the quantity with its unit.
     elastic: dict[str, float]
@@ -90,7 +90,7 @@ class RollingRun:
     seconds: float
     #: Processor time of all solutions [s].
     all_seconds: float
-    #: Number of cells that stick.
+    #: Number of contact cells that stick.
     sticking: int
     #: Kind of bodies, a key of `BODIES`.
     bodies: str = HALF_SPACE

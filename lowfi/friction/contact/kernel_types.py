@@ -17,13 +17,13 @@ class DissipationTerms(NamedTuple):
 
     #: Dissipated power D over mu F [m/s].
     value: float
-    #: Derivative by vx.
+    #: First derivative of D by vx, without unit.
     by_vx: float
-    #: Derivative by vz.
+    #: First derivative of D by vz, without unit.
     by_vz: float
-    #: Derivative by the spin [m].
+    #: First derivative of D by the spin [m].
     by_spin: float
-    #: Derivative by the regularising speed.
+    #: First derivative of D by the regularising speed, without unit.
     by_speed: float
     #: Second derivative by vx and vx [s/m].
     xx: float

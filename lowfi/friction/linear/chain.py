@@ -83,7 +83,7 @@ NARROWEST = 1e-3
 class LinearChainSolution:
     """Motion, forces and losses of a row of N balls in a linear bearing."""
 
-    #: Velocity along the track ``(N,)`` [m/s].
+    #: Velocities of the balls along the track ``(N,)`` [m/s].
     velocity: Array
     #: Angular velocities omega_x, omega_y of the balls about the two axes across the track ``(N, 2)`` [rad/s].
     rotation: Array

@@ -194,7 +194,7 @@ class ChainMotion:
     ball_loss: Array
     #: Power lost where the gap between balls k and k + 1 closes while they press on each other ``(N,)`` [W].
     closing_loss: Array
-    #: Power that screw and nut put in [W].
+    #: Power that screw and nut supply [W].
     input_power: float
     #: Largest force out of balance [N].
     largest_unbalanced_force: float

@@ -107,7 +107,7 @@ class InstantSolution:
     loaded: Mask
     #: Losses by friction in the grooves, by balls that slide on each other, and by gaps that close under force [W].
     losses: tuple[float, float, float]
-    #: Power that screw and nut put in [W].
+    #: Power that screw and nut supply [W].
     input_power: float
     #: Whether loads and motions converged.
     converged: bool

@@ -157,7 +157,7 @@ class LastInstant(NamedTuple):
 class SceneInMotion:
     """A screw or bearing with everything that stays constant in a transient simulation; azimuths are in the nut's frame."""
 
-    #: The scene.
+    #: Scene of the screw or bearing.
     scene: Scene
     #: Coefficients of friction.
     friction: Friction
