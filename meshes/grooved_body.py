@@ -155,7 +155,7 @@ class GroovedBodySurface:
         """Return the rims of the refinement boxes on a flank of one start's groove, the holes in the face of the flank.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g. Each rim is
-        a closed loop of one side, in the plane coordinates (azimuth, section angle gamma) [rad].
+        a closed loop of one boundary segment, in the plane coordinates (azimuth, section angle gamma) [rad].
         """
         m, spec = self.m, self.spec
         holes = []
@@ -180,8 +180,9 @@ class GroovedBodySurface:
         """Triangulate a flank of one start's groove.
 
         ``side``: flank 0 to 3; ``line``: constant z - r_g phi of the groove [m], with the lead per radian r_g;
-        ``boundary``: sides of the face in the coordinates (azimuth, section angle) [rad]. gmsh triangulates the face in a
-        plane in which azimuths are measured from the section normal to the helix, because this distorts angles least.
+        ``boundary``: segments of the boundary of the face in the coordinates (azimuth, section angle) [rad]. gmsh
+        triangulates the face in a plane in which azimuths are measured from the section normal to the helix, because this
+        distorts angles least.
         """
         m = self.m
         scale = np.array([np.hypot(m.rg, unrolled_nominal_contact_point(m, side)[0]), float(m.radius[side])])
@@ -201,8 +202,8 @@ class GroovedBodySurface:
     def _triangulate_on_cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
         """Triangulate a face on the cylinder of radius ``r`` [m] about the axis, with edges of at most ``limit`` [m].
 
-        ``name``: name of the boundary of the mesh to which the face belongs; ``boundary``: sides of the face in the
-        coordinates (azimuth [rad], z [m]).
+        ``name``: name of the boundary of the mesh to which the face belongs; ``boundary``: segments of the boundary of the
+        face in the coordinates (azimuth [rad], z [m]).
         """
         scale = np.array([r, 1.0])
         loop = [(n, x * scale) for n, x in boundary]
@@ -215,7 +216,7 @@ class GroovedBodySurface:
     def _sides_of_closed_face(
         self, low: DividedCurve, high: DividedCurve, at: tuple[float, float], seam: Placing, limit: float
     ) -> list[Side]:
-        """Return the four sides of a face between two circles about the axis, after the face is cut open along a seam.
+        """Return the four boundary segments of a face between two circles about the axis, cut open along a seam.
 
         ``low``, ``high``: the two divided circles; ``at``: the second plane coordinate (z or section angle) of ``low`` and
         of ``high``; ``seam``: function that maps the second plane coordinate to points in space, from ``low`` to ``high``;
@@ -244,8 +245,8 @@ class GroovedBodySurface:
     def _triangulate_end_faces(self, bounds: list[list[Side]]) -> None:
         """Triangulate the two flat ends, and the bore of a hollow screw or the outside of a nut.
 
-        ``bounds``: for the end at smaller z, then for that at larger z, the sides of the closed boundary of the end on the
-        side of the groove, in the coordinates (x, y) [m].
+        ``bounds``: for the end at smaller z, then for that at larger z, the segments of the end's closed boundary at the
+        groove, in the coordinates (x, y) [m].
         """
         r = self.groove.back_radius
         loops = [[bound] for bound in bounds]
@@ -322,7 +323,7 @@ class GroovedBodySurface:
     def _triangulate_helical_groove(self) -> list[list[Side]]:
         """Triangulate the flanks and lands of a screw or nut, and return the boundaries of both flat ends at the groove.
 
-        Each boundary, first that at smaller z, is a list of sides in the plane coordinates (x, y) [m].
+        Each boundary, first that at smaller z, is a list of segments in the plane coordinates (x, y) [m].
         """
         g, rg, lines = self.groove, self.m.rg, helix_constants_of_starts(self.m)
         threads = [
@@ -358,7 +359,7 @@ class GroovedBodySurface:
         return [self._boundary_of_end_face(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
     def _boundary_of_end_face(self, threads: list[HelicalGrooveCurves], arcs: list[DividedCurve], end: int) -> list[Side]:
-        """Return the sides of a flat end's boundary at the grooves: per start, right flank, land, and the next left flank.
+        """Return the segments of a flat end's boundary at the grooves: per start, right flank, land, and next left flank.
 
         ``threads``: curves of each start's groove; ``arcs``: for each start, the arc of its land at this end; ``end``: 0
         for the end at smaller z, 1 for that at larger z. Plane coordinates are (x, y) [m].
@@ -448,7 +449,7 @@ class HelicalGrooveCurves:
         return lambda gamma: self._end_curve_in_space(place, end)(gamma)[:, :2]
 
     def sides_of_flank(self, place: int) -> list[Side]:
-        """Return the four sides of a flank in the plane coordinates (azimuth, section angle gamma) [rad].
+        """Return the four boundary segments of a flank in the plane coordinates (azimuth, section angle gamma) [rad].
 
         ``place``: 0 left, 1 right flank.
         """

@@ -87,7 +87,7 @@ def _import_gmsh() -> Any:
 #: Function that maps an array of coordinates or parameters to an array of coordinates or lengths.
 Placing = Callable[[Array], Array]
 
-#: One side of a face, a segment of its boundary: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
+#: One segment of the boundary of a face: its nodes in order, and their plane coordinates ``(n, 2)`` [m].
 Side = tuple[Index, Array]
 
 Body = TypeVar("Body")
@@ -150,14 +150,14 @@ class DividedCurve:
     parameters: Array
 
     def as_side_of_face(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face: its nodes in order, and their plane coordinates on the face.
+        """Return the curve as a boundary segment of a face: the nodes in order, and their plane coordinates on the face.
 
         ``plane``: function that maps values of the curve's parameter ``(n + 1,)`` to plane coordinates ``(n + 1, 2)``.
         """
         return self.nodes, plane(self.parameters)
 
     def as_reversed_side_of_face(self, plane: Placing) -> Side:
-        """Return the curve as one side of a face as `as_side_of_face` does, but with its nodes in reverse order."""
+        """Return the curve as a boundary segment of a face as `as_side_of_face` does, but with nodes in reverse order."""
         return self.nodes[::-1], plane(self.parameters[::-1])
 
 
@@ -316,8 +316,8 @@ class ClosedSurfaceMesh:
         name : str
             Name of the boundary of the mesh to which the face belongs.
         loops : Sequence[Sequence[Side]]
-            The face's outer boundary, then one loop for each hole. A loop is a list of sides in order around it; each side
-            holds node numbers and their plane coordinates.
+            The face's outer boundary, then one loop for each hole. A loop is a list of boundary segments in order around
+            it; each segment holds node numbers and their plane coordinates.
         space : Placing
             Function that maps plane coordinates ``(n, 2)`` to points ``(n, 3)`` [m].
         limit : float

@@ -170,7 +170,7 @@ class HalfRingSurface:
         return np.stack(self._straight_edge_coordinates(k, t), axis=1)
 
     def _sides_of_swept_face(self, k: int, begin: float, end: float) -> list[Side]:
-        """Return the four sides of the face that edge k of the cross-section generates about the axis.
+        """Return the four boundary segments of the face that edge k of the cross-section generates about the axis.
 
         Plane coordinates of the face are the azimuth [rad] and a coordinate along the edge, which is ``begin`` at corner k
         and ``end`` at the next corner.
