@@ -210,8 +210,8 @@ def _finite_body_results(
                     "Finite bodies, normal and tangential: for rings and screws the static reference's patches of groove "
                     "and ball, set into pieces of their bodies; for straight rails, which the static reference does not "
                     "have, a whole ball and grooved bars of the same elements. Their response beyond a half space of the "
-                    "same cells is a smooth kernel, added to the closed form of half spaces. Without motion they give the "
-                    "pressures of the static reference's patches (first rows of the verification). Simplified: balls "
+                    "same cells is a smooth kernel, added to the closed form of half spaces. Without motion, the pressures "
+                    "are those of the static reference's patches (first rows of the verification). Simplified: balls "
                     "touch each other in a point. Over Hertz's circle and over the patch of two finite balls, all of "
                     f"which slides, force and loss of that friction agree to {rub:.2g} % (verification), whatever the "
                     "elasticity. The kernel changes the pressure, adds a strain by normal forces that half spaces of one "
@@ -342,7 +342,7 @@ def _introductory_paragraphs(found: dict[str, list[RollingComparisonRow]], verif
         "each ball moves so that its forces and moments balance. Bodies are elastic half spaces; finite bodies are "
         "computed for comparison. Grid errors that also occur for rigid bodies (cells, staircase edge, a spin pole "
         "inside a cell) are removed with nearly rigid bodies on the same grid and the rigid limit by quadrature.",
-        f"{reached} of {len(verified)} known answers are met within their targets.{_spin_pole_sentence(verified)}",
+        f"{reached} of {len(verified)} known solutions are met within the permitted error.{_spin_pole_sentence(verified)}",
     ]
     if gated:
         causes = {(r.scene, r.quantity): KNOWN.get((r.scene, r.quantity), "cause unknown") for r in beyond}
@@ -375,8 +375,8 @@ def _spin_pole_sentence(verified: Sequence[Verification]) -> str:
     alone, resolved, differenced = worst
     return (
         f" Where a whole contact slips about a pole inside a cell, the error of the grid alone is {alone:.2g} %: the "
-        f"direction of slip turns within the cell. With that resolved, the staircase edge leaves {resolved:.2g} %. "
-        f"Evaluated as differences, as runs are, every level is within {differenced:.2g} %."
+        f"direction of slip turns within the cell. With this turn resolved, the staircase edge of the contact leaves "
+        f"{resolved:.2g} %. Corrected by the rigid limit, as stored results are, every grid is within {differenced:.2g} %."
     )
 
 

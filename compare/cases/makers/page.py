@@ -109,10 +109,10 @@ def clearances_text(found: Sequence[outside.PublishedValue]) -> str:
     stiff = _error_statistics_of_quantity(found, "rigidity", "bearing whose angle turns")
     off = _clearance_errors_um(found)
     return (
-        "NSK's axial clearances are called measured, but are computed with a contact angle that turns under "
-        "load: with balls from the ratings and the conformity from one rigidity of each bearing, "
-        f"{int((np.abs(off) <= 1.0).sum())} of {off.size} come out within 1 um. The rigidities at the other "
-        f"preloads come out with bias {stiff.mean_error_percent:+.1f} and scatter {stiff.standard_deviation_percent:.1f} %."
+        "NSK calls its axial clearances measured, but they follow from a contact angle that changes under load: "
+        "with balls from the ratings and the conformity from one rigidity of each bearing, "
+        f"{int((np.abs(off) <= 1.0).sum())} of {off.size} clearances are computed within 1 um. At other preloads, computed "
+        f"rigidities have bias {stiff.mean_error_percent:+.1f} and scatter {stiff.standard_deviation_percent:.1f} %."
     )
 
 
@@ -136,8 +136,9 @@ def nut_rigidity_text(found: Sequence[outside.PublishedValue]) -> str:
         "% of the computed value. With the number of loaded balls inferred from the maker's own C_0, "
         f"contacts and tubes are {bare.mean_error_percent:+.0f} % from what is printed, {100.0 * PRACTICE:g} % of them "
         f"{min(means):+.0f} to {max(means):+.0f} % by maker, and {close} of {len(most)} nuts lie within 10 "
-        f"%. Rexroth's do not come out ({rex.mean_error_percent:+.0f} %): a factor of 0.43 at every size and preload. Its "
-        "origin stays open (ISO 3408-4's factor of accuracy is named, but its value could not be read); the "
+        f"%. Rexroth's rigidities are not reproduced ({rex.mean_error_percent:+.0f} %): printed values are 0.43 times the "
+        "computed ones at every size and preload. The origin of this factor stays open (ISO 3408-4's factor of accuracy "
+        "is named, but its value could not be read); the "
         "growth of Rexroth's values with preload does come out."
     )
 
@@ -166,7 +167,7 @@ def loaded_balls_text(found: Sequence[outside.PublishedValue]) -> str:
     return (
         "C and C_0 of a nut, two different formulas, give the same fraction of the balls that touch: "
         f"{words}. A nut with one deflector per turn is rated with two thirds of a turn. Rexroth's C is that "
-        f"of full turns ({high[0]:.2f} of it computed), its C_0 is not ({high[1]:.2f}): another definition. "
+        f"of full turns (computed/printed {high[0]:.2f}), its C_0 is not ({high[1]:.2f}): another definition. "
         "SNFA's ratings are ISO's times constants of the series."
     )
 

@@ -172,8 +172,8 @@ def stiffness_figure(found: Sequence[PrintedEntryComparison]) -> Figure:
     stiffer = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
         "Left: one bearing. The measured stiffness of the ball bearing grows less with thrust than that of Hertz "
-        "contacts; the tapered bearing is computed stiffer than tested. Right: the axis. With both ends acting in "
-        f"parallel it is {min(stiffer):.0f} to {max(stiffer):.0f} % stiffer than by Smith's sum of compliances in series."
+        "contacts; the tapered bearing is computed stiffer than tested. Right: the axis. With both ends in parallel, "
+        f"the axis is {min(stiffer):.0f} to {max(stiffer):.0f} % stiffer than by Smith's sum of compliances in series."
     )
     title = "Axial stiffness of support bearings and of the screw axis: measured by Smith, and computed"
     return Figure("smith-stiffness", title, (bearing_stiffness_panel(found), axis_stiffness_panel(found)), caption)

@@ -282,7 +282,7 @@ def cases_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
             Text(
                 (
                     "The printed errors against ANSYS refer to loads that only a figure shows: section "
-                    "reconstruction discusses where they may come from, section reference compares with "
+                    "reconstruction discusses where these errors may come from, section reference compares with "
                     "this project's own 3D reference. The printed ratio of case 1 is compared with the "
                     f"spread over the choices that Lin's thesis leaves open: {chapter_2.load_ratio_range_in_words(cache)}.",
                 )
@@ -372,8 +372,8 @@ def errors_section(cache: SceneResultCache, step: Callable[[str], None]) -> Sect
                 "errors-loads",
                 "Lin 2.4.2: contact load of each ball, with geometric errors of screw and balls",
                 (left, right),
-                f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} and {len(combined.loads)} "
-                "random screws.",
+                f"Bands: 5th to 95th percentile of each ball's load over {len(random.loads)} (left) and "
+                f"{len(combined.loads)} (right) random screws.",
             ),
             Table.from_rows(
                 "errors-changes",
@@ -427,7 +427,7 @@ def hertz_section(cache: SceneResultCache, step: Callable[[str], None]) -> Secti
                     "Table B.1 comes out to every printed digit when the thesis's faults are repeated: a groove radius "
                     "of 0.56 ball diameters instead of Table 2.1's 3.254 mm, eigenvalues of the second fundamental form "
                     "alone, a correction factor of 1, and the ratio of B.8 inverted against the table's labels. The "
-                    "right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
+                    "correct values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
             Table.from_rows(
@@ -583,12 +583,12 @@ def formulations_section(cache: SceneResultCache, step: Callable[[str], None]) -
                 (
                     "The energy solver eliminates contact angles and ball centres and minimises a convex energy; the "
                     "source's own equations (2.25) keep them as unknowns and are solved by plain Newton (2.26), dense, "
-                    "with a Jacobian of their own. On the same equations both agree to round-off.",
+                    "with a Jacobian of their own. On the same equations both solvers agree to round-off.",
                     "The remaining difference between the two forms is kinematic. Here the groove's arc moves rigidly "
                     "with the section at the nominal contact, so that every contact load keeps its line of action "
                     "through the arc's centre. In Lin's form the point of application, its lever arm and its "
                     "station follow the contact angle, and a linearised rotation stretches the arc by half the square "
-                    "of the rotation. Freezing the lever arm at the nominal contact changes more than either.",
+                    "of the rotation. A lever arm fixed at the nominal contact changes the loads by more.",
                 )
             ),
             Table.from_rows(

@@ -193,7 +193,7 @@ def rotary_bearing_torque_figure() -> Figure:
     missing = int(np.sum(~good))
     caption = (
         "Once all four contacts are loaded, torque rises faster than force: the lightly loaded contacts first slide, "
-        "then, after the bend, all contacts spin. With exact Hertz constants case II lies beyond the bend, as printed "
+        "then, beyond the bend, all contacts spin. With exact Hertz constants, case II lies beyond the bend; as printed, "
         "just before it. The printed sum of forces in case III is a misprint. Gaps: Lin's root finding fails at "
         f"{missing} of {u.size} points."
     )
@@ -228,7 +228,7 @@ def sliding_velocity_figure() -> Figure:
     panels = [sliding_velocity_panel(case, solve_rotary_ball(case), "correct") for case in CASES]
     panels += [sliding_velocity_panel(case, solve_rotary_ball_as_printed(case), "as printed") for case in CASES]
     caption = (
-        "Contacts: I inner, O outer ring; L left, R right. A slope is spin, an offset sliding. Case I: one contact "
+        "Contacts: I inner, O outer ring; L left, R right. Slope of a curve: spin; offset: sliding. Case I: one contact "
         "rolls, the other spins about its centre. Case II: as printed, IR and OL slide and OR is nearly at rest; "
         "correct: all four contacts spin, as in case III."
     )
@@ -278,7 +278,7 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
         "Linear bearing (Lin, Figure 3.14): velocity difference of two balls over side force/vertical load",
         panels_over_side_force_ratio(m, m.velocity_deviation_difference, "ε₁ − ε₂"),
         "θ: deviation of the contact angle; ε₁, ε₂: relative deviations of both balls' velocities from nominal. The balls "
-        "approach each other where the curve is above zero. Lin's formula is too small by up to "
+        "approach each other where the curve is above zero. The values of Lin's formula are too small by up to "
         f"{short:.0%} of the largest value.",
         3,
     )
@@ -289,7 +289,7 @@ def figures_over_side_force_ratio() -> tuple[Figure, Figure]:
             *panels_over_side_force_ratio(m, m.force, "force / N"),
             *panels_over_side_force_ratio(m, m.groove_and_ball_loss_ratio, "loss ratio"),
         ],
-        "Loss ratio: 1 + loss between the balls over their losses without contact. Where the balls approach each other, "
+        "Loss ratio: 1 + loss between the balls/losses without ball-to-ball contact. Where the balls approach each other, "
         f"force and ratio grow up to {m.force.numerical.max():.2f} N and "
         f"{100.0 * m.groove_and_ball_loss_ratio.numerical.max():.1f} % (printed "
         f"as an increase of {printed_entry('lin-3.3', 'worst_ratio').number_as_printed} %). Lin's formula gives a force "
@@ -307,7 +307,7 @@ INTRODUCTION = (
     "the sigmoid with k_S = 100 on the magnitude of the spin, and friction interpolated linearly between "
     f"maps. Radial displacements of {', '.join(f'{1000000.0 * u:g}' for u in CASES.values())} µm and the "
     "maps' step of 0.08 are not printed; they are inferred, and every number of a case follows from one of "
-    "them. The right values use exact Hertz constants and Coulomb friction in closed form.",
+    "them. The correct values use exact Hertz constants and Coulomb friction in closed form.",
     "For the linear bearing Lin, too, uses exact Hertz constants; misprints in his formulas (exponents "
     "of 3.51) are corrected here. The load state behind the printed "
     f"{printed_entry('lin-3.5', 'a_force_numerical').number_as_printed} N stays open; see friction-sensitivity.",
@@ -512,7 +512,7 @@ def force_over_ball_oversize_figure() -> Figure:
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
     panels = [p for case, coupling in sets for p in panels_over_ball_oversize(case, coupling)]
     caption = (
-        "After the bend all four contacts of a ball are loaded: the force grows with the oversize, the relative increase "
+        "Beyond the bend all four contacts of a ball are loaded: the force grows with the oversize, the relative increase "
         f"of friction falls. Without oversize, at {LOAD:g} N and θ = {screw.THETA['a']:g}°, friction that displaces the "
         "balls changes the force by a factor of "
         f"{force_without_oversize_over_printed('a', 'ball') / force_without_oversize_over_printed('a', 'none'):.1f}, to "
@@ -606,8 +606,8 @@ def pair_interpretations_table() -> Table:
     }
     note = (
         f"Printed: {', '.join(f'{force} N and {increase} % ({case})' for case, (force, increase) in printed.items())}. "
-        "Oversize is of the ball's radius; it was chosen so "
-        "that the printed force and increase agree on the contact load, and is not in the thesis."
+        "Oversize: of the ball's radius, not stated in the thesis; it was chosen so "
+        "that the printed force and the printed increase imply the same contact load."
     )
     return Table.from_rows(
         "friction-readings",
@@ -643,7 +643,7 @@ def simulation_sensitivity_table() -> Table:
 def simulation_interpretations_table() -> Table:
     """Return the table of the whole-screw simulation's results for each interpretation of section 3.4.4 of Lin's thesis.
 
-    It also contains the differences from the printed results.
+    The table also contains the differences from the printed results.
     """
     largest, at, none_at = (
         printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest", "largest_at", "none_at")
@@ -690,7 +690,7 @@ def ball_contact_onset_table(cache: SceneResultCache) -> Table:
     """
     note = (
         "Screw of Lin's Table 4.1, errors of 5 µm, 1000 N, evenly spaced balls. Lin's conclusion that balls touch sooner "
-        "with roundness errors needs unloaded balls to be slow: it does not hold if they move at the nominal speed."
+        "with roundness errors assumes slow unloaded balls; it does not hold if these move at the nominal speed."
     )
     title = "Nut angle at which neighbouring balls first touch, with pitch or roundness error (Lin 4.3.2)"
     return Table.from_rows("friction-onset", title, screw.ball_contact_onset_rows(cache), note)
@@ -706,7 +706,10 @@ def screw_friction_introduction(pairs: Table, simulations: Table) -> Text:
 
 
 def _ball_pair_paragraph(pairs: Table) -> str:
-    """Return the paragraph on the contact loads of two balls in Lin's Table 3.7; ``pairs``: results by interpretation."""
+    """Return the paragraph on the contact loads of two balls in Lin's Table 3.7.
+
+    ``pairs``: table of ball-to-ball force and loss increase, a row for each interpretation.
+    """
     rows = {str(row["reading"]): row for row in pairs.rows}
     loose, coupled = rows[screw.UNCOUPLED], rows[screw.AS_TEXT]
     uncoupled, moved = (
@@ -728,7 +731,10 @@ def _ball_pair_paragraph(pairs: Table) -> str:
 
 
 def _simulation_paragraph(simulations: Table) -> str:
-    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4; ``simulations``: results by assumption."""
+    """Return the paragraph on the whole-screw simulation of Lin's section 3.4.4.
+
+    ``simulations``: table of the simulation's results, a row for each assumption.
+    """
     cases = [row for row in simulations.rows if row["assumption"] == screw.AS_CASE]
     source = next(row for row in simulations.rows if row["assumption"] == screw.SOURCE_RULE)
     at, none_at = (printed_entry("lin-3.4.4", key).number_as_printed for key in ("largest_at", "none_at"))

@@ -247,16 +247,16 @@ WHY = {
     "lin-3.2:P_": "none: no contact",
     "lin-B1:": "none: closed form",
     "lin-2.4.1:case1_ratio": "",
-    "lin-2.4.1:case": "ours is against 3D",
+    "lin-2.4.1:case": "our value is an error against 3D",
     "lin-2.4.1:": "none: of run times",
     "lin-3.2:": "none: of the table",
     "lin-3.3:": "none: of the map",
     "lin-3.5:error": "none: of the table",
     "lin-3.7:difference": "none: of the table",
-    "lin-3.4.4:": "none: a simulation of 37 balls over time is beyond it",
+    "lin-3.4.4:": "none: 37 balls over time exceed the 3D model",
     "lin-3.7:within": "none: of the tables",
     "lin-4.2.1:": "none: layout is not printed",
-    "lin-4.3:": "none: many balls rolling are beyond it",
+    "lin-4.3:": "none: many rolling balls exceed the 3D model",
 }
 
 
@@ -401,8 +401,8 @@ def error_over_cell_size_figure(cache: SceneResultCache) -> Figure:
         Panel("ball-to-ball force (Tables 3.5, 3.7)", axes[0], "error of the force / %", tuple(balls), log_axes="xy"),
     )
     caption = (
-        "Errors against the finest mesh; pale lines: low-order model. The coarsest point has the element sizes of Lin's "
-        "ANSYS models: 0.08 mm at contacts of the screw, 0.13 and 0.05 mm at those of two balls."
+        "Errors against the finest mesh; pale lines: errors of the low-order model. The coarsest point has the element "
+        "sizes of Lin's ANSYS models: 0.08 mm at contacts of the screw, 0.13 and 0.05 mm at those of two balls."
     )
     return Figure("lin-mesh", "Lin's case studies: error of the 3D models over the size of their cells", panels, caption)
 
@@ -444,7 +444,7 @@ def case_study_loads_and_errors_table(cache: SceneResultCache) -> Table:
 
     ``cache``: gives solved scenes and stored 3D references.
     """
-    title = "Lin's case studies: largest and smallest contact load, and errors against the 3D reference, by model"
+    title = "Lin's case studies: largest and smallest contact load, and errors of each model against the 3D reference"
     note = (
         "Case 3: the right end is restrained in x and y, as by a bearing; table cases-readings has the loads for a "
         "restraint in x only, as Lin's text says. Command for case 1: rollbench compare lin-case1."
@@ -461,8 +461,8 @@ FIGURES: Mapping[str, tuple[Callable[[SceneResultCache], Table | Figure], ...]] 
 GUIDE = (
     "The tables of the thesis stand here in its order and layout, each with what is computed for its numbers; then the "
     "sentences with numbers, claims in words, and the other numbers. A table of results stands twice: in the layout of the "
-    "thesis with ours at each number, and with a row for each number. Low-order, ours: the text as printed with correct "
-    "constants; with the thesis's faults: those named in the remark repeated; inferred: under an assumption that "
+    "thesis with our value at each number, and with a row for each number. Low-order, ours: the text as printed with "
+    "correct constants; with the thesis's faults: those named in the remark repeated; inferred: under an assumption that "
     "was inferred from printed results."
 )
 
