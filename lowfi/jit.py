@@ -274,6 +274,7 @@ def _delay_signals_while_compiling() -> None:
         """Listener that withholds signals while the main thread, the only one that handles them, has numba's lock."""
 
         def __init__(self) -> None:
+            """Begin without withheld signals."""
             self.depth = 0
             self.came: list[int] = []
             self.before: dict[int, Any] = {}

@@ -323,7 +323,7 @@ class StraightTaperedRow:
     bearing: TaperedBearing
 
     def thrust(self, deflection: float) -> float:
-        """Return the thrust [N] at an axial deflection [m]; zero if this is negative, so that the rollers are loose."""
+        """Return the thrust [N] at an axial deflection [m]; zero if the deflection is negative (loose rollers)."""
         b = self.bearing
         q = float(b.approach_law().line_load(deflection * np.sin(b.cup_angle)))
         return float(b.rollers * b.length * q * np.sin(b.cup_angle))

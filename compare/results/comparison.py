@@ -186,6 +186,7 @@ class Comparison(Record):
         return add_schema_version(self._json())
 
     def _json(self) -> dict[str, Any]:
+        """Return the JSON values of the comparison, without the version number of their format."""
         results = [_comparison_json(whole, one) | scene_and_set_keys(one) for one, whole in self.compared]
         if isinstance(self.described, DutyCycle):
             cases = load_cases_by_scene_name([self.described])
@@ -222,6 +223,7 @@ class Comparison(Record):
 
     @property
     def _notes(self) -> tuple[str, ...]:
+        """Lines below the table: each warning, then the verdict."""
         return (*(f"WARNING: {words}" for words in self.warnings), *self.verdict.splitlines())
 
     def __repr__(self) -> str:

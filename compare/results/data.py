@@ -36,10 +36,12 @@ class Data(Record):
 
     @property
     def _shown_path(self) -> str:
+        """Key of the part of the JSON that the table shows; empty for the whole JSON."""
         return self.shown
 
     @property
     def _notes(self) -> tuple[str, ...]:
+        """Sentences printed below the table."""
         return self.notes
 
     def __repr__(self) -> str:

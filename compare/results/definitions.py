@@ -198,7 +198,7 @@ def _definitions_by_path_pattern() -> tuple[tuple[re.Pattern[str], QuantityDescr
 
 
 def _json_path_pattern(path: str) -> re.Pattern[str]:
-    """Return the regular expression for all JSON paths that end with a given path of `TABLES`."""
+    """Return the regular expression that matches every JSON path that ends with ``path``, a path in `TABLES`."""
     named = re.escape(path).replace("FLANK", "(SL|SR|NL|NR)").replace(r"\*", r"[^.]+")
     return re.compile(rf"(.*\.)?{named}")
 

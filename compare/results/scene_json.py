@@ -389,9 +389,10 @@ def palmgren_load_torque(parts: Scene, thrust: float) -> PalmgrenLoadTorque:
 
 
 def starting_torque_json(set_result: SetResult, answers: NutOrBearingResults) -> dict[str, Any] | None:
-    """Return the starting torque of a preloaded ball bearing as JSON; None unless it carries thrust in one direction only.
+    """Return the starting torque of a preloaded ball bearing as JSON; None for a bearing that carries thrust both ways.
 
-    ``set_result``: solution of the bearing. ``answers``: parts and preload of the bearing.
+    None also for a nut and for a bearing without preload. ``set_result``: solution of the bearing. ``answers``: parts and
+    preload of the bearing.
     """
     parts, preload = answers.parts, answers.preload
     one_way = set_result.of.kind == "bearing" and set_result.of.thrust in ("+z", "-z")

@@ -464,6 +464,7 @@ class Result(Record, Balls):
 
     @property
     def _notes(self) -> tuple[str, ...]:
+        """Lines below the table: scene, model and status, then the sentence on the expected error, then warnings."""
         status = f"{self.status}: {self.reason}" if self.reason else self.status
         worth = () if self.cases or not self.converged else (expected_error_sentence(self.solved[0].expected_errors),)
         return (f"{self.scene}, {model_title(self.model)}: {status}", *worth, *self.warnings)

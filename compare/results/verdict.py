@@ -184,6 +184,7 @@ class Verdict(Record):
 
     @property
     def _notes(self) -> tuple[str, ...]:
+        """Lines below the table: each warning, then each judgement."""
         return (*(f"WARNING: {words}" for words in self.warnings), *(row.line for row in self.rows))
 
     def __repr__(self) -> str:

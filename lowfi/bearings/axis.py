@@ -216,7 +216,9 @@ def shaft_tension(axis: ScrewShaftSprings, stretch: float, expansion: float = 0.
 
 
 def warming_that_removes_tension(axis: ScrewShaftSprings, stretch: float, expansion: float) -> float:
-    """Return the uniform rise of temperature at which a stretched shaft loses its tension [K], for any support stiffness.
+    """Return the uniform rise of temperature at which a stretched shaft loses its tension [K].
+
+    It does not depend on the stiffness of the supports.
 
     Parameters
     ----------

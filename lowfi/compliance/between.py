@@ -292,7 +292,7 @@ def groove_and_face_compliance(
 def compute_compliance_between_contacts(
     scene: Scene, layout: BallLayout, screw: bool, backend: ComplianceModel, flanks: Sequence[int] = BOTH
 ) -> Array:
-    """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw less its beam; no cache.
+    """Compute the compliance ``(2 c, 2 c)`` [m/N] between c contacts of the nut, or of the screw less its beam, uncached.
 
     It is `lowfi.compliance.bodies.compliance_between_contacts` for a body that is not rigid and for balls at any positions.
     Arguments are those of `smooth_body_compliance_beyond_beam`.
@@ -320,7 +320,7 @@ def compute_compliance_between_contacts(
 def screw_motions_by_end_wrench(
     scene: Scene, layout: BallLayout, backend: ComplianceModel
 ) -> tuple[Array, Array, float, float]:
-    """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
+    """Return the motions of a screw's contacts and of its high-z end by a unit wrench on that end, less the beam's motions.
 
     The mean motions of the end at low z are fixed. The wrench consists of three forces and three moments.
 
@@ -357,7 +357,7 @@ def screw_motions_by_end_wrench(
 
 
 def screw_motions_by_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
-    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
+    """Compute the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's.
 
     ``layout``: positions of the N balls; ``section_z``: axial position of the cross-section [m]. The function is
     `lowfi.compliance.bodies.screw_response_to_section_wrench` without a cache, for balls at any positions.

@@ -257,7 +257,7 @@ class EndWrenchMotions:
 
 
 def screw_response_to_end_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel) -> EndWrenchMotions | None:
-    """Return the motions of a screw's contacts and its end at high z by a unit wrench on that end, less those of its beam.
+    """Return the motions of a screw's contacts and of its high-z end by a unit wrench on that end, less the beam's motions.
 
     ``layout``: positions of the balls; ``backend``: model of the bodies' compliance. The result is None for a screw that is
     rigid or only a beam, and for a bearing ring fixed at its bore. The arrays are cached for all load cases of the same
@@ -283,7 +283,7 @@ def _cached_response_to_end_wrench(scene: Scene, backend: ComplianceModel) -> En
 
 
 def screw_response_to_section_wrench(scene: Scene, layout: BallLayout, backend: ComplianceModel, section_z: float) -> Array:
-    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less those of its beam.
+    """Return the motions ``(4 N, 6)`` of a screw's contacts by a unit wrench on a cross-section, less the beam's.
 
     The order is that of `EndWrenchMotions.contact_motions`. ``layout``: positions of the N balls; ``section_z``: axial
     position of the section [m], inside the stretch of a screw for which `screw_response_to_end_wrench` is not None. The

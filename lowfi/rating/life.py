@@ -567,7 +567,7 @@ def forces_on_halves(force: Array, preload: float) -> tuple[Array, Array]:
 
 
 def cubic_mean_force(revolution_shares: Array, force: Array) -> float:
-    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N], by eq. (5) of this module.
+    """Return the mean force of order 3 over the revolutions, F_m = (sum_j n_j F_j^3)^(1/3) [N].
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ class AxialRigidities:
         note="as makers advise",
     )
     def makers_practice(self) -> float | None:
-        """Rigidity that manufacturers advise to use [N/m], 0.8 times that of contacts and bodies; None for bearings."""
+        """Rigidity that manufacturers advise to use [N/m], 0.8 times ``with_bodies``; None for bearings."""
         return None if self.with_bodies is None else PRACTICE * self.with_bodies
 
 
