@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from rollbench.meshes.arrays import Array, Mask
 from rollbench.meshes.parts import SIDES
 
-#: Ratio of a contact load to the largest one, up to which the contact counts as unloaded where only the loads are known. It
-#: excludes flanks that barely touch the balls.
+#: Ratio of a contact load to the largest contact load, up to which the contact counts as unloaded if nothing but the
+#: loads is known; flanks that barely touch the balls are thus left out.
 BARELY = 0.01
 
 

@@ -181,8 +181,8 @@ def write_part_mesh(
     that ball or its patches, or of the screw or nut with sockets.
 
     Raises InputError for an unknown part, format or level, a missing package, a mesh that cannot be built, a result field
-    that cannot be computed (a screw supported or loaded beyond the low end of its 3D stretch), and a file that cannot be
-    written.
+    that cannot be computed (because supports or loads act on the screw at lower z than the stretch that the 3D model
+    contains), and a file that cannot be written.
     """
     check_gmsh()
     check_packages("scikit-fem")

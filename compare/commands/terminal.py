@@ -79,7 +79,7 @@ def model_or_program_name(program: ProgramOptions | None, model: str = "") -> st
 @Parameter(name="*")
 @dataclass(frozen=True)
 class ComputeOptions:
-    """Command-line options that choose this computer or a cluster for the runs, with certificates for its scheduler."""
+    """Command-line options that choose this computer or a cluster for the runs, with certificates for the cluster."""
 
     backend: Annotated[
         str, Parameter(help="Where runs of the 3D reference are computed: joblib (this computer) or dask (a cluster).")
@@ -93,7 +93,7 @@ class ComputeOptions:
 
 
 def engine_from_options(where: ComputeOptions | None, local_workers: int | None = None) -> ComputingSettings:
-    """Return the engine that computes runs of the 3D reference where the user's options demand it.
+    """Return the settings for computing runs of the 3D reference on this computer or on the cluster that the options name.
 
     ``where``: options; None: this computer. ``local_workers``: number of parallel runs on this computer, unless the options
     state it. Raises InputError for certificates that cannot be used.

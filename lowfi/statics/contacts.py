@@ -355,7 +355,8 @@ def hertz_constants_by_scene_choice(scene: Scene, drawn: GeometryWithErrors, bal
     """Return the Hertz constant C ``(..., N, 4)`` [m/N^(2/3)] of each ball and flank; approach = C Q^(2/3) at the force Q.
 
     The scene's ``hertz`` decides from which dimensions C is computed: "error-free", the nominal ones; "as printed", Lin's
-    Table B.1 with its mistakes; otherwise the radii with their errors. The contact angle is the nominal one.
+    Table B.1 with its mistakes; otherwise the radii with their manufacturing errors. The contact angle is the nominal
+    one.
 
     Parameters
     ----------

@@ -56,7 +56,8 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     problem
         Static problem with n nodes.
     q
-        Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw its six free and fixed coordinates.
+        Motions of the nodes ``(n, 6)`` [m, rad]; for a rigid screw its six coordinates, see
+        `Problem.rigid_motion_basis`.
     """
     length, nodes = problem.scene.screw.length, tuple(problem.nodes.tolist())
     if problem.rigid_motion_basis is not None:

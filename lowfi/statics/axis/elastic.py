@@ -96,8 +96,8 @@ RIGID_INNER = "elastic inner ring: apart from its contacts it is rigid, like the
 class Housings:
     """The m moving housings of an assembly and the springs between them, as one linear elastic system.
 
-    If no spring resists k rigid motions of the housings, k degrees of freedom are fixed in the stiffness matrix, and the
-    rigid motions are unknowns of their own.
+    If k rigid motions of the housings meet no resistance by springs, k degrees of freedom are fixed in the stiffness
+    matrix, and these motions are unknowns of their own.
     """
 
     #: Indices of the degrees of freedom that are free in the stiffness matrix: neither supported nor fixed against a rigid
