@@ -606,9 +606,9 @@ def nut_rigidity_with_unequal_loads(cache: SceneResultCache, name: str, model: s
 def nut_rigidities(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
     """Compute the rigidities of THK's and HIWIN's nuts at 0.3 of their dynamic rating C, and related printed values.
 
-    These are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag torque.
-    ``findings``: receives the computed value to compare with each printed number, and whether each printed claim holds;
-    ``cache``: gives the solved scenes.
+    The related values are the growth of rigidity with the number of turns, the rigidity of a double nut, and its drag
+    torque. ``findings``: receives the computed value to compare with each printed number, and whether each printed claim
+    holds; ``cache``: gives the solved scenes.
     """
     alone, bodies = {}, {}
     for size in (*THK, *HIWIN):

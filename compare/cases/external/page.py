@@ -382,8 +382,8 @@ def fixation_results_by_mesh_level(scene: str, fixation: str) -> dict[int, dict[
 def largest_mesh_uncertainty_percent(scene: Scene, loads: Mapping[int, Array]) -> float:
     """Return the largest mesh uncertainty of any contact load [% of the mean load], on the finest given mesh level.
 
-    It is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other scenes if only
-    one level is given, and the error near a free face.
+    The uncertainty is the sum of two parts: the 95 % uncertainty by `compare.reference.estimate`, estimated from other
+    scenes if only one level is given, and the error near a free face.
 
     Parameters
     ----------

@@ -319,7 +319,7 @@ def _slip_and_traction_maps(patches: Sequence[SlipAndTractionField]) -> list[Tex
 def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
     """Return the sentence on the low-order model's error of the ball-to-ball force; empty without a stored 3D result.
 
-    ``found``: comparisons of the low-order friction models with the 3D model, by scene.
+    ``found``: for each scene, comparisons of the low-order friction models with the 3D model.
     """
     row = next((r for r in found["lin-pair-a"] if r.quantity == "force 1-2"), None)
     if row is None or row.error_percent is None:
@@ -330,8 +330,8 @@ def _ball_force_conclusion(found: dict[str, list[RollingComparisonRow]]) -> str:
 def _introductory_paragraphs(found: dict[str, list[RollingComparisonRow]], verified: Sequence[Verification]) -> list[str]:
     """Return the introductory paragraphs: 3D model, verifications passed, low-order results with errors above the limit.
 
-    ``found``: comparisons of the low-order friction models with the 3D model, by scene; ``verified``: verifications of the
-    3D model. The low-order results are ball-to-ball forces and torques.
+    ``found``: for each scene, comparisons of the low-order friction models with the 3D model; ``verified``: verifications
+    of the 3D model. The low-order results are ball-to-ball forces and torques.
     """
     reached = sum(p.within_permitted_error for p in verified)
     gated = [r for rows in found.values() for r in rows if r.quantity in ("force 1-2", "torque")]

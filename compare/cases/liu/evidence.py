@@ -323,7 +323,7 @@ def load_by_other_contact_angle_laws_in_words(error_um: float, load: float) -> s
 def load_change_range_of_other_balls(error_um: float) -> list[float]:
     """Return the smallest, then the largest change [N] of the loads of all balls but ball 33 by an error of ball 33.
 
-    Both are taken over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the diameter of ball 33 [um].
+    Both changes are taken over the axial loads `LIGHT` and `HEAVY`. ``error_um``: error of the diameter of ball 33 [um].
     """
     change = [
         np.delete(solve_with_error_of_ball_33(error_um, f).load - solve_with_error_of_ball_33(0.0, f).load, 32)

@@ -187,8 +187,8 @@ def is_two_point_contact(load: Array) -> bool:
 def load_ratio_range_in_words(cache: SceneResultCache) -> str:
     """Return in words the range of largest over smallest load in Lin's case 1, over two modelling choices.
 
-    These are the partition of the beam into elements, and whether equation C.8 for the beam's section is read with a square
-    root. ``cache``: gives the solved scenes.
+    The modelling choices are the partition of the beam into elements, and whether equation C.8 for the beam's section is
+    read with a square root. ``cache``: gives the solved scenes.
     """
     variants = [
         cache.scene_with_options("lin-case1", partition=p, section=s)

@@ -70,7 +70,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 def solve_rotary_ball_as_printed(case: str) -> bearing.BearingBallSolution:
     """Solve the motion of one ball of the rotary bearing in a case of Lin's Table 3.2 by his own method.
 
-    It uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
+    Lin's method uses his Hertz constants, his sigmoid friction law, and root finding. ``case``: "I", "II" or "III".
     """
     scene = source_cases.rotary_ball_scene(case, printed=True)
     law = lin_sigmoid_law(scene.bearing, scene.sharpness, scene.map_step)

@@ -436,8 +436,8 @@ def section_4_3(findings: ComputedEntryValues, cache: SceneResultCache) -> None:
 def _compute_bearing_torques(findings: ComputedEntryValues) -> None:
     """Compute the torque ratios of the four-point and the double-row bearing: section 4.3.1 of Lin's thesis.
 
-    Each ratio is the largest over the smallest friction torque for load angles up to 18 deg; it is recorded in
-    ``findings``.
+    Each ratio is the largest over the smallest friction torque for load angles up to 18 deg. ``findings``: receives the
+    ratios.
     """
     four, double = bearing_torque_over_load_angle("4P", True), bearing_torque_over_load_angle("DR", True)
     ratios = (

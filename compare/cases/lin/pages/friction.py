@@ -54,7 +54,8 @@ from rollbench.reports.content import Figure, Panel, Section, Series, Table, Tex
 def power_balance_table() -> Table:
     """Return the table of the rotary bearing's friction torque, power input and friction losses in cases I to III.
 
-    Each case has three rows: correct, with least dissipation at Lin's loads, and as printed.
+    Each case has three rows: correct; with least dissipation, but the contact loads that Lin computed; and as Lin computed
+    it.
     """
     table = Table.from_rows(
         "friction-balance",
@@ -483,8 +484,8 @@ def force_without_oversize_over_printed(case: str, coupling: Coupling) -> float:
 def oversizes_at_printed_value_in_words(key: str) -> str:
     """Return in words the ball oversizes at which a computed quantity, at an axial load of 50 N, equals the printed value.
 
-    They are given for cases (a) and (b) of Lin's Table 3.7. ``key``: "force" (ball-to-ball force) or "increase" (of the
-    friction loss).
+    The oversizes are given for cases (a) and (b) of Lin's Table 3.7. ``key``: "force" (ball-to-ball force) or "increase"
+    (of the friction loss).
     """
     words = []
     for case in ("a", "b"):

@@ -244,8 +244,8 @@ def error_fall_and_rise_to_case_2(errors: Sequence[float]) -> tuple[float, float
 def origin_of_error_conclusion(found: list[combined.CombinationResult]) -> str:
     """Return the conclusion on the printed largest error of 5.38 %: its origin is not identified.
 
-    It states the range of this error over all combinations of interpretations. ``found``: results of all combinations, of
-    which the first has all choices by default.
+    The conclusion states the range of this error over all combinations of interpretations. ``found``: results of all
+    combinations, of which the first has all choices by default.
     """
     errors = [c.errors_percent["own"][0] for c in found if not c.contradicts_text]
     missed = float(np.sqrt(np.mean(combined.combination_nearest_to_print(found).deviations_from_print ** 2)))
@@ -350,8 +350,9 @@ def contact_penalty_paragraph(cache: SceneResultCache) -> str:
 def mesh_scatter_paragraph(cache: SceneResultCache, found: list[combined.CombinationResult]) -> str:
     """Return the paragraph on the scatter of contact stiffness between meshes as a cause of the printed errors.
 
-    It states the probability of half of the printed change from case 1 to case 2, for several sizes of the scatter.
-    ``cache``: gives solved scenes and stored 3D results; ``found``: results of all combinations of interpretations.
+    The paragraph states, for several sizes of the scatter, the probability that errors change from case 1 to case 2 by at
+    least half of the printed change. ``cache``: gives solved scenes and stored 3D results; ``found``: results of all
+    combinations of interpretations.
     """
     falls, rises = error_fall_and_rise_to_case_2(combined.printed_errors_percent())
     best = combined.combination_nearest_to_print(combined.combinations_without_penalty(found), 2)

@@ -109,8 +109,8 @@ def beam_element_count_in_words(cache: SceneResultCache, name: str) -> str:
 def printed_and_own_model_size(cache: SceneResultCache, name: str, model: str) -> tuple[str, str]:
     """Return in words the printed size of a model whose run time is printed, then the size of this package's model.
 
-    Both are numbers of elements, unknowns or cells, and empty if the model has none. ``name``: name of the scene;
-    ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
+    Both texts state a number of elements, unknowns or cells; they are empty if the model has none. ``name``: name of the
+    scene; ``model``: "lin" (static model), "numerical" (friction model of two balls), "formula" (Lin's formula) or "3D".
     ``cache``: gives the solved scenes.
     """
     if model == "lin":

@@ -1,16 +1,16 @@
 """Interpretations of inputs that section 2.4.1 of Lin's thesis leaves open, for his low-order model and his 3D model.
 
-Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts along
-the track, so nothing keeps the ball from rolling along it. Across the track, the ball may be displaced by a distance e
-from the line through the arcs' centres. Both contact normals then turn by phi = e/h against the line through the
-contacts, with h the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal
-radius, the line through the contacts stays parallel to the line through the arcs' centres, so friction turns no force.
-Both contacts shift by the arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h
-phi^2/2 (`oversize_of_displaced_ball`).
+Two forces act on a ball in two-point contact, so they lie on the line through its two contacts. No friction acts along the
+track, so nothing keeps the ball from rolling along it. Across the track, the ball may be displaced by a distance e from the
+line through the arcs' centres. Both contact normals then turn by phi = e/h against the line through the contacts, with h
+the arc's radius less the ball's; friction holds the ball while tan(phi) <= mu. With arcs of equal radius, the line through
+the contacts stays parallel to the line through the arcs' centres, so friction turns no force. Both contacts shift by the
+arc's radius times phi, and the ball fills the grooves like a ball whose radius is larger by h phi^2/2
+(`oversize_of_displaced_ball`).
 
-How far a ball is displaced depends on its previous motion. A ball that rolls on both grooves moves by half of the
-relative motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove against
-the other: phi = r tilt/(2 h), with r the arc's radius (`tilt_at_onset_of_sliding`).
+How far a ball is displaced depends on its previous motion. A ball that rolls on both grooves moves by half of the relative
+motion of the surfaces. So does the midpoint between the arcs' centres, except for the tilt of one groove against the other:
+phi = r tilt/(2 h), with r the arc's radius (`tilt_at_onset_of_sliding`).
 
 If a model keeps its balls from turning, the grooves slide on them, and friction does turn the forces, by mu
 (`rollbench.compare.cases.lin.reconstruction.solvers`).
@@ -18,19 +18,19 @@ If a model keeps its balls from turning, the grooves slide on them, and friction
 The text states that the contacts use an augmented Lagrangian, with all other settings by default. This leaves a
 penetration, and so softer contacts, by a penalty that is not printed
 (`rollbench.compare.cases.lin.reconstruction.solvers`). The natural size of the penalty is E/h, with E Young's modulus and
-here h the size of the source's elements; penalties of this size and smaller are computed.
+here h the size of Lin's elements; penalties of this size and smaller are computed.
 
 All interpretations of different modelling choices are combined. Each combination gives the largest over the smallest load
 by both models, the errors of one model against the other, and their scatter between meshes. Six numbers are printed: the
-load ratio "about 1.34" for both models, and four errors. Each combination is shown with its deviations from these
-numbers; no tolerance decides which numbers are met, and no combination is claimed to be what the source did. No model
-reads a printed number.
+load ratio "about 1.34" for both models, and four errors. Each combination is shown with its deviations from these numbers;
+no tolerance decides which numbers are met, and no combination is claimed to be what Lin did. No model reads a printed
+number.
 
-A contact of case 1 is meshed as the source states, by first-order tetrahedra of about 0.08 mm, and with several sizes near
-that, each of which gives another unstructured mesh. After subtraction of its trend over the element size, the approach
-scatters by a fraction s. A ball's load then changes as if each of its contacts were closed (the bodies brought together) by
-s times the approach. Case 2 shows the effect of such a closure: its ball 17 is too large by 1 um in radius, which closes
-both contacts by 1 um.
+A contact of case 1 is meshed as Lin states, by first-order tetrahedra of about 0.08 mm, and with several sizes near that,
+each of which gives another unstructured mesh. After subtraction of its trend over the element size, the approach scatters
+by a fraction s. A ball's load then changes as if each of its contacts were closed (the bodies brought together) by s times
+the approach. Case 2 shows the effect of such a closure: its ball 17 is too large by 1 um in radius, which closes both
+contacts by 1 um.
 """
 
 from __future__ import annotations

@@ -119,7 +119,8 @@ class SlidingLoadCase(LoadCase):
     def friction_as_normal_forces(self, last: ContactRound) -> Array:
         """Return normal forces [N] on the n contact nodes of each ball that together act as the friction on it, (balls, n).
 
-        They act along the nodes' normals. ``last``: iterate of the contact solution, whose loads determine the friction.
+        The forces act along the nodes' normals. ``last``: iterate of the contact solution, whose loads determine the
+        friction.
         """
         (forces,), (normals,), (placed,) = last.nodal_forces_by_set, last.contact_normals, self.sets
         section = placed.geometry.groove_map.section_axes()[[0, 2]]

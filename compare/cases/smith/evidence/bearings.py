@@ -194,7 +194,7 @@ def recompute_ball_spreadsheet(
 def ball_spreadsheet_stiffness(thrust_lbf: float) -> float:
     """Return the ball bearing's axial stiffness [lbf/in] by Smith's spreadsheet at the thrust ``thrust_lbf`` [lbf].
 
-    It is the difference quotient between thrusts 0.1 % smaller and 0.1 % larger.
+    The stiffness is the difference quotient between thrusts 0.1 % smaller and 0.1 % larger.
     """
     step = 1e-3 * thrust_lbf
     return (
