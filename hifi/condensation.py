@@ -87,7 +87,8 @@ class FlankPatches:
     #: Local compliance of the contact between groove and ball, less the part that the coarse bodies' modes represent,
     #: between its c pressure functions (basis functions of the contact pressure) ``(c, c)`` [m/N] (`hifi.bodies.coarse`).
     local_compliance: Array
-    #: Correction of the gap for the position of the contact's centre relative to the nodes of the mesh; None: none.
+    #: Correction of the gap for the position of the contact's centre relative to the nodes of the mesh; None: no
+    #: correction.
     gap_correction: GapCorrectionTable | None
 
 

@@ -39,7 +39,7 @@ class PlacedNut:
     closable_flanks: tuple[int, ...]
     #: Axial position on the shaft of the origin of the geometry's local axis [m].
     origin_on_shaft: float = 0.0
-    #: Index of the movable housing that carries its nut; None: the nut is fixed.
+    #: Index of the movable housing that carries the nut; None: the nut is fixed.
     housing_index: int | None = None
     #: Shift of the nut along z relative to its housing [m].
     nut_offset: float = 0.0

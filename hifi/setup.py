@@ -401,7 +401,7 @@ class ComputedRecord:
     process_id: int
     #: Peak memory of that process [MB]; None: not measured.
     peak_memory_MB: float | None
-    #: Reason why that process no longer writes to the cache; empty if it writes.
+    #: Reason why that process no longer writes to the cache; empty if it still does.
     cache_fault: str = ""
 
 

@@ -65,8 +65,8 @@ class BodySocket:
 #: zone, and their positions along each axis of the zone, over the width by which they can be moved inside it.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
-#: Weight of single pressure functions against these pressures; singular value over the largest one that counts as
-#: round-off.
+#: Weight of loads on single nodes relative to these elliptic pressures; singular value, over the largest one, that counts
+#: as round-off.
 REST, ROUND_OFF = 1e-3, 1e-13
 
 #: Singular value of a resultant over the largest one that counts as zero: forces through the ball's centre have no moment
@@ -331,7 +331,7 @@ def select_isostatic_freedoms(points: Array, excluded_nodes: Index) -> Index:
     Returns
     -------
     (6,) Index
-        Degrees of freedom.
+        Indices of the degrees of freedom.
     """
     allowed = np.setdiff1d(np.arange(len(points)), excluded_nodes)
     pick = allowed[np.linspace(0, len(allowed) - 1, min(200, len(allowed))).astype(int)]
@@ -410,8 +410,8 @@ def all_freedoms_with_rigid_end(mesh: Mesh, high: float) -> sp.csc_array:
     return sp.hstack([free, sp.eye_array(free.shape[0], format="csc")[:, slaves] @ section]).tocsc()
 
 
-#: Number of meshes of the coarse piece over which its response is averaged. Their sizes differ by a hundredth, so that the
-#: scatter of unstructured meshes (some ten thousandths of an approach) does not enter all contacts of a flank.
+#: Number of meshes of a coarse piece over which the response of the piece is averaged. Their sizes differ by a hundredth,
+#: so that the scatter of unstructured meshes (some ten thousandths of an approach) does not enter all contacts of a flank.
 REALISATIONS = 3
 
 #: Relative difference of the element sizes of these meshes.
@@ -424,7 +424,7 @@ class ContactSubmodel:
 
     #: Mesh of the piece.
     mesh: Mesh
-    #: Indices of its refinement box's nodes, in the order of the refinement box mesh of the flank.
+    #: Indices of the refinement box's nodes in this mesh, in the order of the mesh of the box's faces.
     socket_nodes: Index
     #: Rotation matrix from the frame of the patch to that of the piece ``(3, 3)``.
     rotation: Array

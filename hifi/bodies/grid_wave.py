@@ -36,9 +36,9 @@ Flags = NDArray[np.bool_]
 ACROSS, ALONG, FORCES = 12, 8, 24
 #: Numbers of positions in a cell, across and along the groove, over which an approach is averaged.
 MEAN = (8, 8)
-#: Powers of the force in the ratio of the approach to Hertz's. They represent second-order cells at the edge of the ellipse
-#: (-2/3), Hertz's law (0), the body around the contact, in proportion to the force (1/3), and curvatures that change over
-#: the ellipse (2/3).
+#: Powers of the force in the ratio of the approach to Hertz's approach. They represent second-order cells at the edge of
+#: the ellipse (-2/3), Hertz's law (0), the body around the contact, in proportion to the force (1/3), and curvatures that
+#: change over the ellipse (2/3).
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 #: Size of the largest contact ellipse over that of the contact zone; smallest short semi-axis over the cell size; size of
 #: the smallest ellipse over that of the largest one, on grids that are too coarse for that semi-axis.

@@ -38,7 +38,7 @@ from rollbench.meshes.fem import degrees_of_freedom_on_boundaries, nodes_on_boun
 
 #: Number of right-hand sides that are solved at once.
 CHUNK = 128
-#: Edge of the block over the long semi-axis of the contact. The far field makes the result independent of it.
+#: Edge of the block over the long semi-axis of the contact. The far field makes the result independent of this size.
 SIZE = 3.0
 #: Ratio of the sizes of neighbouring hexahedra outside the contact, and edge of tetrahedra there over their distance from
 #: the contact, both for a mesh of four cells across the short semi-axis.
@@ -257,17 +257,16 @@ class HertzContactSolution:
     seconds_by_stage: dict[str, float]
     #: Approach [m].
     approach: float
-    #: Semi-axis along x [m] of the pressure ellipsoid with the load and the second moments of the nodal forces, semi^2 =
-    #: 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure.
+    #: Semi-axis along x [m] of the semi-ellipsoid of pressure whose load and second moments are those of the nodal forces
+    #: f: semi_x^2 = 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure.
     semi_x: float
     #: Semi-axis of that ellipsoid along y [m].
     semi_y: float
-    #: Pressure at the pole, the centre of the contact [Pa]: force over area of the node nearest to the pole, divided by the
-    #: ratio of that ellipsoid's pressure there to its pole pressure (1 where the node is at the pole, in all meshes but
-    #: P2).
+    #: Peak pressure [Pa]: pressure (force over area) at the node nearest to the centre of the contact, extrapolated to the
+    #: centre by the shape of that ellipsoid. All meshes but P2 have a node at the centre.
     pole_pressure: float
-    #: Pole pressure of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over the
-    #: area [Pa].
+    #: Peak pressure [Pa] of the ellipsoid on these semi-axes that is fitted to all nodal pressures by least squares over
+    #: the area.
     fitted_pole_pressure: float
     #: Hertz's closed-form solution of the contact.
     hertz_solution: HertzSolution
@@ -294,7 +293,7 @@ def solve_hertz_contact(
     Parameters
     ----------
     job : HertzProblem
-        Contact, see `JOBS`.
+        Contact to be solved, such as one of `JOBS`.
     element : str
         "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
     b_over_h : float
@@ -345,7 +344,7 @@ def solve_hertz_contact_on_lin_mesh(job: HertzProblem) -> HertzContactSolution:
     Parameters
     ----------
     job : HertzProblem
-        Contact, see `JOBS`.
+        Contact to be solved, such as one of `JOBS`.
 
     Returns
     -------
@@ -443,9 +442,9 @@ def fit_pressure_ellipsoid(places: Array, areas: Array, forces: Array) -> tuple[
     semi : tuple[float, float]
         Semi-axes along both coordinates, from the second moments of the forces [m].
     pole : float
-        Pole pressure from the node nearest the pole, as `HertzContactSolution.pole_pressure` [Pa].
+        Peak pressure from the node nearest to the centre, as `HertzContactSolution.pole_pressure` [Pa].
     fitted : float
-        Pole pressure fitted to all nodal pressures by least squares, as `HertzContactSolution.fitted_pole_pressure` [Pa].
+        Peak pressure fitted to all nodal pressures by least squares, as `HertzContactSolution.fitted_pole_pressure` [Pa].
     """
     pressure = forces / areas
     squares = 5.0 * (forces @ places**2) / forces.sum()

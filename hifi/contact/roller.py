@@ -57,7 +57,8 @@ ZONE = 1.7
 #: Edge length of a cell over its distance from the contact zone, times the number of cells across half of the zone.
 GRADING = 5.4
 
-#: Meshed length of the rounding at both ends of a roller, over its radius: the rest is too far from the race to touch.
+#: Meshed length of the rounding at both ends of a roller, over the radius of the rounding: the rest is too far from the
+#: race to touch.
 FILLET = 0.6
 #: Length of a race past either end of the roller, over the depth of the ring.
 BEYOND = 1.0

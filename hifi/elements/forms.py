@@ -149,7 +149,7 @@ class CachedIsoparametricMap(MappingIsoparametric):  # type: ignore[misc]
         self._cached: dict[str, tuple[Any, Any, Any]] = {}
 
     def _cached_result(self, name: str, X: Any, entities: Any, compute: Callable[[], Any]) -> Any:
-        """Return a result for the points X in the cells or faces ``entities`` from the cache; compute it if they changed.
+        """Return the cached result for points X in cells or faces ``entities``; compute it if X or ``entities`` changed.
 
         ``name``: key of the result in the cache; ``compute``: function that computes it.
         """

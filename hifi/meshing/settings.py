@@ -108,7 +108,8 @@ STEPS, BALANCED = 200, 1e-6
 #: loaded contact.
 SOFT, HELD = 1e-7, 1e4
 
-#: Largest force of the soft springs over the largest contact load. If it is larger, nothing else supports the screw.
+#: Largest force of the soft springs over the largest contact load. If their force is larger, nothing else supports the
+#: screw.
 CARRIED = 1e-2
 
 #: Balls that carry less than this fraction of the largest load are left out of the mean contact size.
@@ -313,9 +314,10 @@ def nut_shift_for_axial_force(scene: Scene, force: float) -> float:
 
 
 def _which_flanks_can_touch(scene: Scene, thrust: Thrust) -> tuple[bool, ...]:
-    """Return for each of the four groove flanks whether it can touch a ball under the thrust that the nut can carry.
+    """Return whether each of the four groove flanks can touch a ball, if the nut carries thrust in a given direction.
 
-    ``thrust``: direction of that axial force, such as "+z" or "both". A groove of a single arc has one flank on each body.
+    ``thrust``: direction of the axial force that the nut can carry, such as "+z" or "both". A groove of a single arc has
+    one flank on each body.
     """
     if (sides := flanks_of_single_arc_contacts(scene)) and thrust in ("both", "deep groove"):
         return tuple(s in sides for s in range(4))

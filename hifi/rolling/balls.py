@@ -109,8 +109,8 @@ class RollingResult:
     ball_to_ball_forces: Array
     #: Losses between balls ``(M,)`` [W].
     ball_to_ball_losses: Array
-    #: Force and moment about its centre that friction at the grooves exerts on every ball, in the ball's axes ``(N, 6)``
-    #: [N, N m].
+    #: Force, and moment about the ball's centre, that friction at the grooves exerts on every ball, in the ball's axes
+    #: ``(N, 6)`` [N, N m].
     groove_friction_wrenches: Array
     #: Force that its neighbours exert on every ball, in the ball's axes ``(N, 3)`` [N].
     forces_by_neighbours: Array

@@ -100,7 +100,7 @@ CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
 class BallPath:
     """Path of the balls' centres: a helix, or the circle of a ring."""
 
-    #: Radius of its cylinder [m].
+    #: Radius of the cylinder on which the path lies [m].
     radius: float
     #: Rise per angle [m/rad]; 0: ring, < 0: left-hand.
     rise_per_angle: float

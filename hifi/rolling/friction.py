@@ -31,7 +31,7 @@ Balance = Callable[[Array], tuple[Array, Array]]
 PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
 #: Creeping speed over the largest slip from which on, with elasticity, Coulomb's law without smoothing is tried.
 SHARPEST = 0.02
-#: Largest number of Newton's steps without smoothing, and residual over the largest bound at which they end.
+#: Largest number of Newton's steps without smoothing, and residual, over the largest friction limit, at which they end.
 MOST, TOLERANCE = 60, 1e-11
 #: Parameter r of the projection over the stiffness of one cell. From 0.3 on, stiff stick zones of many cells make Newton's
 #: method cycle.

@@ -154,8 +154,8 @@ TANGENTS, NORMAL = slice(0, 2), slice(2, 3)
 #: Ratio of the width of a grid to the width of Hertz's ellipse.
 MARGIN = 1.08
 
-#: Step of the differences along the flow, in cells; with a step of a whole cell they are less exact, because all points
-#: then lie at the same position within their cells.
+#: Step of the differences along the flow, in cells; with a step of a whole cell the differences are less exact, because all
+#: points then lie at the same position within their cells.
 STEP = 0.5
 
 #: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is evaluated.

@@ -33,7 +33,7 @@ from rollbench.meshes.groove_map import GrooveMap
 from rollbench.meshes.parts import Scene
 from rollbench.meshes.solid import SAME
 
-#: Stiffness of a spring in one direction, over that in its stiffest direction, that counts as zero.
+#: Stiffness of a spring in one direction, over that in its stiffest direction, below which it counts as zero.
 SLACK = 1e-12
 
 
@@ -54,7 +54,7 @@ class MeshedShaftPart:
     observers: tuple[float, ...]
     #: Axial positions of the lower and upper end of the stretch [m].
     ends: tuple[float, float]
-    #: Number of modes of all its contacts.
+    #: Number of displacement modes of all contacts on this part.
     mode_count: int
     #: Whether all supported and loaded sections move with the base (a ring on a stiff shaft).
     moves_with_base: bool = False
@@ -81,7 +81,7 @@ class MeshedShaftPart:
 class NutOnHousing:
     """Compliance of a nut on a movable housing, to be joined to the shaft and its supports."""
 
-    #: Compliance between the k modes of its contacts, with the housing fixed ``(k, k)`` [m/N].
+    #: Compliance between the k displacement modes of the nut's contacts, with the housing fixed ``(k, k)`` [m/N].
     G: Array
     #: Displacements of the modes by unit rigid motions of the housing ``(k, 6)``.
     B: Array

@@ -54,7 +54,7 @@ HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 _UPPER = np.triu_indices(6)
 
-#: Basis of the symmetric matrices ``(21, 6, 6)``: each has a one at one position and at its mirror position, else zeros.
+#: Basis of the symmetric matrices ``(21, 6, 6)``: each has ones at one entry and its transposed entry, else zeros.
 _UNITS = np.zeros((21, 6, 6))
 
 _UNITS[(np.arange(21), *_UPPER)] = _UNITS[(np.arange(21), *_UPPER[::-1])] = 1.0
@@ -406,7 +406,7 @@ def _strain_components(value: Any, slope: Any, r: Array, rg: float, n: int) -> l
     """Compute the strains rr, tt, zz, rz, rt, tz (engineering shears) of a displacement w(r, zeta) exp(i n phi).
 
     ``value``: the three components of w; ``slope``: their derivatives along r and zeta; ``r``: radii of the points [m];
-    ``rg``: rise of the helix [m/rad].
+    ``rg``: rise of the helix [m/rad]; n: number of waves around the axis.
     """
     u, v, w = value
     (u_r, u_z), (v_r, v_z), (w_r, w_z) = slope
