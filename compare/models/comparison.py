@@ -92,7 +92,7 @@ def models_by_name(names: tuple[str, ...], argument: str = "models") -> list[Mod
 def path_of_condensed_bodies(scene: Scene, reference: Reference, stores: Sequence[Path] | None) -> Path | None:
     """Return the path of the file with the condensed stiffness of screw and nut by the finest 3D run, if it is stored.
 
-    ``reference``: 3D reference of the scene; ``stores``: folders with its runs; None: that included with rollbench. None if
+    ``reference``: 3D reference of the scene; ``stores``: folders with its runs; None: the included one. None if
     no folder has the file, or if the user gave the reference as a file.
     """
     if reference.stated:

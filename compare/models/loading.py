@@ -170,7 +170,7 @@ def preload_from_unloaded(scene: Scene, unloaded: StaticResult) -> Preload:
 def axial_preload(scene: Scene, unloaded: StaticResult) -> float:
     """Return the internal axial force due to preload [N]; ``unloaded``: result of the scene without external loads.
 
-    It is the smaller of the axial forces with which the contacts push the screw in the two directions.
+    Returned is the smaller of the axial forces with which the contacts push the screw in the two directions.
     """
     return min(float(unloaded.load[:, s].sum()) for s in (0, 1)) * approach_per_displacement(scene)
 
@@ -461,7 +461,7 @@ def _load_shares_of_supports(
 def _contact_wrench_on_screw(result: StaticResult) -> Array:
     """Return the force of all contacts on the screw and its moment about the origin, (6,) [N, N m].
 
-    Both are zero for a result without equilibrium.
+    Force and moment are zero for a result without equilibrium.
     """
     e = result.equilibrium
     return np.zeros(6) if e is None or not result.converged else np.concatenate([e.contact_force, e.contact_moment])

@@ -134,7 +134,7 @@ class ContactLoadsFromFile:
     load: Array
     #: Flanks that have rows in the file.
     flanks_with_rows: tuple[str, ...]
-    #: Number of balls that the file numbers in another way than the scene, and which were matched by their positions.
+    #: Number of balls that have another number in the file than in the scene, and were matched by position.
     renumbered_ball_count: int = 0
     #: Further quantities of each contact, such as pressure, by the names of `FURTHER`, (n, 4) in SI units; nan: empty cell.
     further_quantities: Mapping[str, Array] = field(default_factory=dict)
@@ -302,8 +302,8 @@ def read_loads(path: Path, ball_count: int, scene: Scene | None = None, row_filt
     ball_count
         Number of balls of the scene.
     scene
-        Scene. If the file has both azimuth and axial position of the balls, they are matched by position to the balls of
-        this scene. None, or if one column is missing: balls are matched by their numbers.
+        Scene. If the file has both azimuth and axial position of the balls, the rows are matched by position to the balls
+        of this scene. None, or if one column is missing: rows are matched by the numbers of the balls.
     row_filter
         Accepted texts of the columns ``case`` (name of the load case) and ``set`` (name of the nut or bearing); rows with
         other texts are skipped.

@@ -182,8 +182,8 @@ def lateral_force_and_tilting_moment(scene: Scene, result: StaticResult) -> tupl
 
     ``result``: converged solution of the scene.
 
-    Both include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At least one
-    contact must carry load.
+    Force and moment include the effects of loads anywhere on the shaft, of their lever arms and of displaced supports. At
+    least one contact must carry load.
     """
     touching = result.load[:, :2] > 0.0
     forces = (result.load[:, :2, None] * result.force_direction[:, :2])[touching]
@@ -274,7 +274,7 @@ def save_model_errors(folder: Path, measured_errors: Sequence[MeasuredModelError
 def model_errors_on_compared_scenes() -> tuple[MeasuredModelErrors, ...]:
     """Return the measured errors of the models on the built-in scenes, then on the randomly drawn screws.
 
-    They are read from files that are included with rollbench; a missing or damaged file contributes nothing.
+    The errors are read from files that are included with rollbench; a missing or damaged file contributes nothing.
     """
     return (
         *_measured_errors_from_json(lambda: json.loads(files.shipped_text(f"references/{FILE}"))),
@@ -549,7 +549,7 @@ def measure_model_error(
         Run of the 3D reference.
     increased_load_case
         The same scene under increased loads, with the model's result and the 3D run for it. The rigidities of model and 3D
-        reference follow from the differences between both load states; None: the rigidity is not compared.
+        reference follow from the differences between the two load states; None: the rigidity is not compared.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def run_without_changed_choices(scene: Scene, level: int, stores: Sequence[Path]
 def effects_of_changed_choices(scene: Scene, stores: Sequence[Path] | None = None) -> list[ModellingChoiceEffect]:
     """Return the effects of changed modelling choices of the 3D reference on a scene, from stored runs that converged.
 
-    ``stores``: folders with runs; None: that included with rollbench. Outside the 3D part of the shaft, the 3D reference
+    ``stores``: folders with runs; None: the included one. Outside the 3D part of the shaft, the 3D reference
     neglects that an axial force twists a grooved shaft. The effect of this twist is computed by the refined model and
     added. The list is empty if no run of a variant is stored.
     """

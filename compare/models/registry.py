@@ -176,7 +176,7 @@ def is_covered_by_mei_model(scene: Scene) -> bool:
 def is_covered_by_liu_model(scene: Scene) -> bool:
     """Return whether the model of Liu et al. covers a scene.
 
-    It covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
+    The model covers axial loads at one end of the nut, without preload and without a support that fixes the screw axially.
     """
     from rollbench.lowfi.statics.liu import is_solvable_by_liu
 
@@ -351,7 +351,7 @@ DEFAULT = "refined"
 def default_model_name(scene: Scene | Assembly) -> str:
     """Return the name of the default model of a scene.
 
-    It is `DEFAULT`, or "lin" if an inner ring sits on a housing that springs support, which no other model covers.
+    The name is `DEFAULT`, or "lin" if an inner ring sits on a housing that springs support, which no other model covers.
     """
     if isinstance(scene, Scene):
         return DEFAULT

@@ -247,8 +247,8 @@ def solutions_with_and_without_choices(
 def combined_choice_effect(cache: SceneResultCache, scene_name: str, quantity: ComparedQuantity) -> Array | None:
     """Return the combined effect of the 3D reference's modelling choices on a quantity of the scene ``scene_name`` [%].
 
-    It is the root of the sum of squares over the choices; a choice with several variants counts with the largest change.
-    None if no choice was varied on the scene. ``cache``: cache of scenes and 3D references.
+    The effects are combined as the root of the sum of squares over the choices; a choice with several variants counts with
+    the largest change. None if no choice was varied on the scene. ``cache``: cache of scenes and 3D references.
     """
     scene, worst = cache.built_in_scene(scene_name), dict[str, Array]()
     contacts = nominal_contacts(scene)
@@ -448,7 +448,7 @@ def bias_and_scatter(rows: Sequence[ErrorWithUncertainty]) -> list[BiasAndScatte
 
 
 def count_within_expected_error(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, int]]:
-    """Count for each model the scenes whose measured error does not exceed the expected error, and all scenes with both.
+    """Count for each model the scenes with a measured error up to the expected error, and all scenes with both errors.
 
     ``rows``: for each scene and model the keys ``model``, ``measured`` and ``expected`` [%], where the expected error is
     estimated without this scene (None: no estimate). The result has for each model

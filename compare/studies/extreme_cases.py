@@ -1,6 +1,6 @@
 """Hard scenes for the report's table of numerical stability.
 
-They are extreme on purpose (100 t of load, a shaft a thousand times too soft). They test whether a solver finds the
+The scenes are extreme on purpose (100 t of load, a shaft a thousand times too soft). They test whether a solver finds the
 solution of the equations, not whether the model is valid there. Most can be described by a scene file; exceptions (such as
 a bore that leaves too thin a wall) are stated at the scene.
 """

@@ -1,8 +1,8 @@
 """Numerical stability: scenes that are hard to solve, solved by several formulations of the equations.
 
-The scenes are in `hard_scenes`. A second formulation, whose unknowns are the contact loads and which uses the compliance
-of the same beam, must find the same loads. It does not solve rows of rollers without balls; for these the load-displacement
-law of every roller slice is checked instead.
+The scenes are in `hard_scenes`. A second formulation, whose unknowns are the contact loads and which uses the compliance of
+the same beam, must find the same loads. This formulation does not solve rows of rollers without balls; for these the
+load-displacement law of every roller slice is checked instead.
 
 Newton's method as in Lin's thesis (``lowfi.as_source``) is started in three ways: from the nominal state; from a good
 guess, in which the screw is moved along its axis as if all balls shared the axial load equally; and from that guess with
@@ -252,7 +252,7 @@ def _outcome_with_status(hard_scene: HardScene, formulation: str, status: str, *
 def _why_not_in_equilibrium(result: StaticResult | AxisResult) -> str:
     """Check a result that is reported as converged: return why it is no equilibrium, empty if it is one.
 
-    It is checked that all numbers are finite, that the residual is small, that forces and moments balance, and that the
+    The checks are that all numbers are finite, that the residual is small, that forces and moments balance, and that the
     slices of rollers follow their load-displacement law.
     """
     if not result.converged:

@@ -107,7 +107,7 @@ def run_timed_python_process(
 
     ``arguments``: arguments of the Python interpreter; ``extra_environment``: environment variables by name, which are
     added to those of `environment_for_timed_process`; ``folder``: working folder of the process, None for the present one.
-    The process imports no module from its working folder. It is killed after `PATIENCE` seconds.
+    The process imports no module from its working folder. The process is killed after `PATIENCE` seconds.
     """
     environment = environment_for_timed_process({"PYTHONUNBUFFERED": "1"} | (extra_environment or {}))
     before, begin = os.times(), perf_counter()

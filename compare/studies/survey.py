@@ -345,8 +345,8 @@ def survey_screw(seed: int, number: int, run_folder: Path | None = None) -> Reco
 def scenes_under_given_and_raised_loads(text: str, name: str) -> tuple[Scene, Scene]:
     """Return a screw under the loads of its scene file, then the same screw under these loads times `RAISED` (1.05).
 
-    The axial tangent rigidity follows from the solutions of both. ``text``: TOML text of the scene file; ``name``: name of
-    the first scene; that of the second ends in "-raised".
+    The axial tangent rigidity follows from the solutions under both loads. ``text``: TOML text of the scene file; ``name``:
+    name of the first scene; that of the second ends in "-raised".
     """
     scene = scene_file.scene_from_text(text, f"{name}.toml")
     return scene, replace(scene, name=f"{name}-raised", loads=tuple(_load_times_raise_factor(x) for x in scene.loads))
@@ -405,8 +405,8 @@ def screw_properties_for_record(scene: Scene) -> Record:
 def compare_models_with_reference(scene: Scene, raised: Scene, runs: Sequence[Run]) -> Record:
     """Compare the models with the 3D reference on a randomly drawn screw; return status, loads and errors as JSON values.
 
-    ``raised``: the same screw with raised loads; ``runs``: solutions of both by the 3D reference. Without two converged
-    solutions or without loaded contacts the record has the status only.
+    ``raised``: the same screw with raised loads; ``runs``: solutions under the given, then under the raised loads by the 3D
+    reference. Without two converged solutions or without loaded contacts the record has the status only.
     """
     run, raised_run = runs
     state = {

@@ -444,7 +444,7 @@ def numbers_of_screws_for_level_2() -> list[int]:
 def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
     """Return the random screw number ``number`` under its drawn loads, then under these loads times 1.05.
 
-    The axial tangent rigidity follows from the solutions of both.
+    The axial tangent rigidity follows from the solutions under both loads.
     """
     name = f"survey-{survey.SEED}-{number}"
     return survey.scenes_under_given_and_raised_loads(survey.random_screw_scene_text(survey.SEED, number), name)
@@ -453,7 +453,7 @@ def load_cases_of_random_screw(number: int) -> tuple[Scene, Scene]:
 def solve_and_time_mesh_level(number: int, level: int) -> TimedLevelRun:
     """Solve a randomly drawn screw by the 3D reference on a mesh level, and measure the processor times.
 
-    It is solved in this process with one thread and without cached meshes.
+    The screw is solved in this process with one thread and without cached meshes.
 
     ``number``: number of the screw; ``level``: mesh level. On level 1 the cells at the cut ends of the shaft are coarser,
     as in the survey. Raises InputError if the screw cannot be meshed.

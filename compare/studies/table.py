@@ -297,7 +297,7 @@ def _largest_pressure_of_each_bearing(scene: Scene | Assembly, result: StaticRes
 def _expected_errors_for_row(scene: Scene, result: StaticResult) -> dict[str, Any]:
     """Return the expected errors [%] of a static result by their fields of `TableRow`.
 
-    They are estimated from the model's errors on scenes that were compared with the 3D reference.
+    The errors are estimated from the model's errors on scenes that were compared with the 3D reference.
     """
     form = estimate_model_error(scene, result)
     return {

@@ -1,8 +1,8 @@
 """Tables of a scene's stiffness, preload and life (``rollbench table``) as files for other programs.
 
 Formats are CSV, JSON, Parquet, netCDF, a figure, a module for ROSS and a table file for Modelica. ROSS takes five of the 36
-terms of the tangent stiffness, a Modelica CombiTable all of them. Both hold constant values without damping for each
-combination of the keys' values.
+terms of the tangent stiffness, a Modelica CombiTable all of them. The files for ROSS and Modelica hold constant values
+without damping for each combination of the keys' values.
 """
 
 from __future__ import annotations
@@ -160,8 +160,8 @@ def read_table_file(path: str) -> Table:
 def ross_module_text(table: Table) -> str:
     """Return a Python module for the rotor-dynamics program ROSS, with the stiffness for each combination of values.
 
-    It holds ``PLACES`` and a function ``bearing(n, place)`` that returns a BearingElement. Raises InputError if no row has
-    a stiffness.
+    The module holds the stiffness as the list ``PLACES``, and a function ``bearing(n, place)`` that returns a
+    BearingElement of ROSS. Raises InputError if no row has a stiffness.
     """
     matrices = table.stiffness
     kept = [k for k, matrix in enumerate(matrices) if all(np.isfinite(matrix[at]) for at in ROSS_TERMS.values())]

@@ -118,7 +118,7 @@ def outputs_of_duty_cycle(
 ) -> dict[str, Any]:
     """Return the outputs of a sweep's sample for a duty cycle, from results and outputs of its load cases.
 
-    They are the outputs of the load case with the largest contact load, which "at" names, with three exceptions. Life is
+    Outputs are those of the load case with the largest contact load, which "at" names, with three exceptions. Life is
     the shortest life of a nut or bearing over the duty cycle. Torque is the mean over all revolutions. Growth is the ratio
     of a nut's or bearing's largest load in any load case to its largest load in the first; the outputs are the largest and
     the smallest growth.
