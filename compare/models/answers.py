@@ -84,7 +84,7 @@ def clearance_of_deep_groove(parts: Scene, thrust: str = "deep groove") -> Inter
     parts
         Bearing row as a scene.
     thrust
-        Axial force that the row can carry: "deep groove" (both directions), or one direction.
+        Direction of the axial force that the row can carry: "+z", "-z", "both", or "deep groove" (both directions).
 
     Returns
     -------
@@ -452,7 +452,8 @@ def bearing_friction_torque(
     parts
         Row of balls as a scene.
     thrust
-        Axial force that a row with one arc per groove can carry: "deep groove" (both directions), or one direction.
+        Direction of the axial force that the row can carry: "+z", "-z", "both", or "deep groove" (both directions, with one
+        arc per groove).
     ball_result
         Solution with the contact loads and angles of the row.
     force

@@ -121,7 +121,7 @@ def mesh_level_table_rows(reference: Reference) -> list[dict[str, Any]]:
     list of dict
         For each mesh level: cell size over that of the finest level; number of unknowns that one mesh of all bodies would
         have; seconds without cached parts, with the conditions of their measurement; largest difference of a contact load
-        from the finest level, and `load_uncertainty_up_to_run`, both in % of the mean load.
+        from the finest level, and uncertainty by `load_uncertainty_up_to_run`, each in % of the mean load.
     """
     return [
         {

@@ -229,7 +229,7 @@ CONSTANT = 1e-9
 def sweep_summary_json(sweep: SweepDefinition, records: Mapping[int, Record]) -> dict[str, Any]:
     """Return the summary of a sweep as JSON values: counts, failures, statistics, main effects and Sobol indices.
 
-    ``records``: records of the samples by their numbers. Failed samples are counted by reason, with one example each.
+    ``records``: records of the samples by sample number. Failed samples are counted by reason, with one example each.
     """
     rows = [records[n] for n in sorted(records)]
     good = converged_records(records)
@@ -293,8 +293,8 @@ def main_effects(keys: Sequence[VariedKey], rows: Sequence[Record]) -> dict[str,
     """Return for each varied key the mean of the output `MAIN` in groups of samples, a list with one entry per group.
 
     A group consists of the samples in one part of the key's range, or at one value of its list. An entry has "at" (mean
-    value of the key in its unit), "mean" and "standard_error" of the output, and "samples" (their number). ``rows``:
-    records of the converged samples.
+    value of the key in its unit), "mean" and "standard_error" of the output, and "samples" (number of samples in the
+    group). ``rows``: records of the converged samples.
     """
     x, y = key_values_as_numbers(keys, rows), output_values(rows, MAIN)
     return {
@@ -334,8 +334,8 @@ def sobol_indices_by_output(sweep: SweepDefinition, records: Mapping[int, Record
 
     For each output and key there is the first-order index with the ends of its interval (first, first_low, first_high) and
     the total index (total, total_low, total_high); for a constant output there is None. Only base points whose samples all
-    converged are used, from the first on; their number is reduced to a power of two. ``records``: records of the samples by
-    their numbers.
+    converged are used: the first ones, as many as the largest power of two allows. ``records``: records of the samples by
+    sample number.
     """
     if sweep.method != "sobol":
         return {"none": f"a design by {sweep.method} gives no Sobol indices: sobol does"}
@@ -624,7 +624,7 @@ def solve_sweep(
 def write_sweep_files(sweep: SweepDefinition, records: Mapping[int, Record], summary: Mapping[str, Any], out: Path) -> None:
     """Write samples.csv, summary.json and the figures of a sweep to its folder.
 
-    ``records``: records of the samples by their numbers; ``summary``: summary of the sweep; ``out``: the folder.
+    ``records``: records of the samples by sample number; ``summary``: summary of the sweep; ``out``: the folder.
     """
     replace_file(out / "samples.csv", samples_csv(sweep, records))
     replace_file(out / "summary.json", json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
@@ -636,7 +636,7 @@ def samples_csv(sweep: SweepDefinition, records: Mapping[int, Record]) -> str:
     """Return the samples of a sweep as CSV text, with one row for each sample.
 
     The columns are the number of the sample, the values of the varied keys, the status, the outputs, and "at", which names
-    the contact with the largest load. ``records``: records of the samples by their numbers.
+    the contact with the largest load. ``records``: records of the samples by sample number.
     """
     text = io.StringIO()
     writer = csv.writer(text)
