@@ -576,7 +576,7 @@ def _check_response_to_random_load(solve: Solve, diagonal: Array) -> None:
 
 
 def _eliminate_or_raise_factor_error(eliminate: Callable[[], T]) -> T:
-    """Call a function that eliminates a matrix, and turn its ArithmeticError into a FactorError with the column.
+    """Call a function that eliminates a matrix, and turn its ArithmeticError into a FactorError that names the column.
 
     ``eliminate``: function without arguments, whose result is returned.
     """

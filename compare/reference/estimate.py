@@ -97,7 +97,7 @@ Levelled = Mapping[int, Array]
 class UncertaintyFromOtherScenes:
     """Parts of the mesh uncertainty that hold for all scenes, determined from scenes that were solved on several levels.
 
-    They are in % of the mean contact load.
+    The parts are in % of the mean contact load.
     """
 
     #: Standard deviation due to the mesh of the sockets (boxes around the contacts).

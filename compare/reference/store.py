@@ -278,11 +278,11 @@ def content_key_of_run(
     sides: Sequence[int],
     programs: Mapping[str, str] | None = None,
 ) -> str:
-    """Return the key by which a stored 3D run is found: a hash of everything that affects its numbers.
+    """Return the key by which a stored 3D run is found: a hash of everything that affects the run's results.
 
-    These are the scene's geometry, errors, loads and supports (without the fields in `UNSAID`), its solid dimensions, the
-    variant, the mesh settings and meshed flanks (which depend on all scenes that were meshed together), `SCHEMA`, and the
-    versions of the mesh generator and the finite-element library.
+    The hash covers the scene's geometry, manufacturing errors, loads and supports (without the fields in `UNSAID`), its
+    solid dimensions, the variant, the mesh settings and meshed flanks (which depend on all scenes that were meshed
+    together), `SCHEMA`, and the versions of the mesh generator and the finite-element library.
 
     Parameters
     ----------
@@ -318,8 +318,8 @@ def content_key_of_bodies(
 ) -> str:
     """Return the key by which stored condensed screw and nut are found: a hash of all that affects their stiffness.
 
-    These are the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the versions
-    of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
+    The hash covers the geometry of the parts, the mesh ``settings``, the numbers of the meshed flanks (``sides``), the
+    versions of gmsh and scikit-fem (``programs``; None: those installed), `SCHEMA` and `BODIES`.
     """
     return digest_of_values(
         SCHEMA, BODIES, digest_of_geometry(scene), *_mesh_parts_of_key(scene, settings, sides, programs)

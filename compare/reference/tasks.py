@@ -185,8 +185,8 @@ def is_mesh_suitable(scene: Solvable, level: int, variant: str, settings: Mappin
     """Return whether the meshes of a stored 3D run are suitable for a scene on a mesh level.
 
     ``variant``: name of the modelling variant; empty: none; ``settings``: mesh settings of the stored run; ``sides``:
-    numbers of its meshed flanks. The meshes can be used if cells are fine enough, patches large enough, and all flanks that
-    may carry load are meshed.
+    numbers of the flanks meshed in that run. The meshes can be used if cells are fine enough, patches large enough, and all
+    flanks that may carry load are meshed.
     """
     changed = VARIANTS[variant].change(scene) if variant and isinstance(scene, Scene) else scene
     try:

@@ -67,7 +67,7 @@ WIDEST = np.pi / 4.0
 
 
 class RollerError(ArithmeticError):
-    """Raised for a tapered roller or a load that the 3D roller model cannot describe; contains advice to the user."""
+    """Raised for a tapered roller or load that the 3D model of one roller cannot describe; contains advice to the user."""
 
     def __init__(self, reason: str, advice: str) -> None:
         """Create the error from its reason and the advice to the user."""

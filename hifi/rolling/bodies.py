@@ -559,9 +559,9 @@ MOST = 32
 
 
 def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
-    """Make a function cache its results in memory by its arguments (a decorator); all functions together keep `MOST`.
+    """Make a function cache its results in memory by its arguments (a decorator).
 
-    ``make``: function that computes a compliance kernel.
+    All functions that are decorated in this way together keep at most `MOST` results. ``make``: function that computes a compliance kernel.
     """
 
     @wraps(make)
@@ -697,7 +697,7 @@ def compliance_kernels_of_patches(
 
 
 def kernel_from_groove_response(added: Array, zone: ContactZone, degree: int) -> ComplianceKernel:
-    """Convert a groove's compliance to a kernel in terms of forces on the ball and its motion relative to the groove.
+    """Convert a groove's compliance to a kernel for forces on the ball and motions of the ball relative to the groove.
 
     Tangential forces and motions change their signs, because those of ball and groove are opposite.
 

@@ -334,7 +334,7 @@ def _solve_coulomb_friction(system: _FrictionProblem, q: list[Array], y: Array) 
 
 
 def _projection_parameter(c: FrictionContact) -> Array:
-    """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of its force per elastic slip speed."""
+    """Choose the projection parameter r of each cell ``(n,)`` [N s/m]: a fraction of force over elastic slip speed."""
     compliance = 0.5 * np.diag(c.elastic_slip_matrix).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / compliance)
 
