@@ -326,7 +326,7 @@ def _write_supports(writer: RexsWriter, shaft: Assembly) -> None:
 
 
 def _write_loads(writer: RexsWriter, shaft: Assembly, solved: Sequence[ShaftSolution]) -> list[CaseAttributes]:
-    """Add the external loads on the shaft and of ball nuts to the REXS model; return their attributes by load case.
+    """Add the external loads and the forces of ball nuts on the shaft to the REXS model; return attributes by load case.
 
     ``solved``: solution of each load case. With a single load case the components themselves get these attributes, too.
     """
