@@ -3,26 +3,26 @@
 The uncertainty has a part for each kind of refinement.
 
 From one mesh level to the next, the cells at the contact are refined by 4/3, those of the bodies by 1.15, and the mesh of
-the sockets (coarse boxes around the contacts, into which finely meshed patches fit) not at all. Therefore no order of
-convergence in a single cell size describes the loads. The loads do not approach a limit from one side either. Consecutive
-changes of a contact load have a correlation of -0.5, like independent errors, because no cell of one level's mesh is a cell
-of the next.
-Extrapolation with any order increases the distance to the next level (tests/unit/models/test_grid_coverage.py). The errors
-of a level are therefore treated as scatter with the variance
+the refinement boxes (coarse boxes around the contacts, into which finely meshed patches fit) not at all. Therefore no order
+of convergence in a single cell size describes the loads. The loads do not approach a limit from one side either.
+Consecutive changes of a contact load have a correlation of -0.5, like independent errors, because no cell of one level's
+mesh is a cell of the next. Extrapolation with any order increases the distance to the next level
+(tests/unit/models/test_grid_coverage.py). The errors of a level are therefore treated as scatter with the variance
 
     s^2 = contact^2 h_c^4 + bodies^2 h_b^4 + sockets^2 + common^2,
 
 where h_c and h_b are the cell sizes of contact and bodies over those of the finest level (second-order cells, whose errors
 fall as h^2). The first two parts are determined from the changes between the levels of the scene; the variance of a change
-is the sum of those of two levels. The part sockets is measured by a separate run with more finely meshed sockets. The part
-common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined from the
-mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the loads.
+is the sum of those of two levels. The part sockets is measured by a separate run with more finely meshed refinement boxes.
+The part common changes all loads of a level alike and does not average out over the contacts of one scene. It is determined
+from the mean changes of all scenes with loads on both flanks of the screw, where equilibrium does not fix the sum of the
+loads.
 
 The uncertainty is twice the root of the sum of the variances of the finest level and the next one, or 2.2 times this root
 if only the change between two neighbouring levels is known. In 95 % of the contacts it covers the change to a finer mesh.
-Errors of bodies and sockets are displacements. A contact converts them to loads by its stiffness, dF / dx ~ F^(1/3)
-(Hertz), and these two parts are distributed over the contacts accordingly. Errors that all meshes share are not included
-(`compare.models.uncertainty`).
+Errors of bodies and refinement boxes are displacements. A contact converts these to loads by its stiffness, dF / dx ~
+F^(1/3) (Hertz), and these two parts are distributed over the contacts accordingly. Errors that all meshes share are not
+included (`compare.models.uncertainty`).
 
 Near a free face of the nut, a mesh level neglects a part of a contact's compliance. The local compliance of a contact is
 that of a finely meshed piece of its body (`hifi.bodies.coarse`), far from any face. Near a free face the thin lip adds
@@ -100,7 +100,7 @@ class UncertaintyFromOtherScenes:
     The parts are in % of the mean contact load.
     """
 
-    #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
+    #: Standard deviation due to the mesh of the refinement boxes (boxes around the contacts).
     sockets: float
     #: Standard deviation of an error that all contacts share.
     common: float
@@ -125,7 +125,7 @@ class MeshUncertainty:
     contact_cell_deviation: float | None = None
     #: Standard deviation due to the cells of the bodies.
     body_cell_deviation: float | None = None
-    #: Standard deviation due to the mesh of the sockets (boxes around the contacts).
+    #: Standard deviation due to the mesh of the refinement boxes (boxes around the contacts).
     socket_mesh_deviation: float | None = None
     #: Standard deviation of an error that all contacts share.
     common_deviation: float | None = None
@@ -261,7 +261,8 @@ def derive_uncertainty_of_other_scenes(
     scenes
         Contact loads on each mesh level, for each scene.
     sockets
-        Standard deviation due to the mesh of the sockets [% of the mean load], from a separate run.
+        Standard deviation due to the mesh of the refinement boxes around the contacts [% of the mean load], from a separate
+        run.
     known_errors
         For each scene, the errors on the coarsest level near free faces of the nut (`load_error_near_faces`), (n, 4) [% of
         the mean load]. They have a separate uncertainty and are subtracted. None: nothing is subtracted.
@@ -329,7 +330,8 @@ LIP_FILE = "near_face.json"
 #: to zero at this one.
 AWAY = 3.0
 
-#: Distance by which the influence is extrapolated towards the face [ball radii]; closer to it no socket can be meshed.
+#: Distance by which the influence is extrapolated towards the face [ball radii]; closer to the face no contact can be
+#: meshed.
 CLOSER = 0.25
 
 #: Smallest denominator (an approach in m, or a sum of stiffnesses), which avoids division by zero without load.

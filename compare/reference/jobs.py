@@ -83,7 +83,7 @@ def expected_cost(task: ReferenceTask) -> ExpectedCost:
 
 
 def check_memory(tasks: Sequence[ReferenceTask], workers: int) -> float:
-    """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that as much is free.
+    """Estimate the peak memory of tasks of the 3D reference that run in parallel, and check that as much memory is free.
 
     Parameters
     ----------

@@ -29,10 +29,10 @@ def _settings_from_toml(keys: Mapping[str, Any]) -> dict[str, Any]:
 
 #: Mesh settings (`hifi.meshing.settings.Settings`) of each level, coarse to fine; lengths in m. b_over_h counts
 #: second-order cells, so that there are twice as many nodes. From one level to the next, the cells at the contact are
-#: refined by 4/3. The following are refined by 1.15 to 1.2: cells and sockets of the submodels for a contact's local
-#: compliance, coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut ends.
-#: The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is the same
-#: on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
+#: refined by 4/3. The following are refined by 1.15 to 1.2: cells and refinement boxes of the submodels for a contact's
+#: local compliance, coarse bodies and balls, which only transfer loads between contacts, and the models of the shaft's cut
+#: ends. The growth of the patches' cells and the numbers of modes follow. The plane mesh of the shaft's cross-section is
+#: the same on all levels; its error is below 0.04 % in bending (tests/unit/hifi/test_helical_section.py).
 LEVELS: dict[int, dict[str, Any]] = {int(level): _settings_from_toml(keys) for level, keys in _TABLES["level"].items()}
 #: Finer values of single settings of the finest level (`VARIANTS`).
 BEYOND: dict[str, Any] = _settings_from_toml(_TABLES["beyond"])
@@ -47,7 +47,7 @@ PRODUCTION = 3
 STUDIED = (1, 2, 3, 4)
 #: Default levels of a scene outside the studies: level 3 is more accurate than level 1 by a factor of 1.8, measured on all
 #: scenes that were solved on three levels or more. Between consecutive levels the factors are 1.6, 1.2 and 1.2, because the
-#: error due to the mesh of the sockets (coarse boxes around the contacts) is the same on all levels
+#: error due to the mesh of the refinement boxes (coarse boxes around the contacts) is the same on all levels
 #: (tests/unit/models/test_grid_coverage.py).
 ADVISED = (1, 3)
 #: Kinds of bodies in models of rolling contacts.

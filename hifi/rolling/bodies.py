@@ -561,7 +561,9 @@ MOST = 32
 def cache_by_arguments(make: Callable[P, T]) -> Callable[P, T]:
     """Make a function cache its results in memory by its arguments (a decorator).
 
-    All functions that are decorated in this way together keep at most `MOST` results. ``make``: function that computes a compliance kernel.
+    All functions that are decorated in this way together keep at most `MOST` results.
+
+    ``make``: function that computes a compliance kernel.
     """
 
     @wraps(make)

@@ -360,7 +360,7 @@ class GridContact:
         return float(self.normal_forces.sum())
 
     def _tabulate_tangential_influence(self, shift: float) -> Array:
-        """Tabulate displacements of half-spaces along tangents, ``shift`` [m] upstream of cells, by unit forces on a cell."""
+        """Tabulate tangential displacements of half-spaces, ``shift`` [m] upstream of cells, by unit forces on a cell."""
         return _influence_table(self.cell_indices, self.cell_size, self.elastic_constants, TANGENTS, shift)
 
     def tangential_compliance(self, shift: float = 0.0) -> Array:
