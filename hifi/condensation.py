@@ -336,7 +336,7 @@ class CondensedScrew(CondensedBody):
     In a `CondensedGeometry` the compliance is corrected for the effect of cutting the shaft at the ends of this part.
     """
 
-    #: Flexibility of the stretch.
+    #: Flexibility of this part of the screw.
     stretch: MeshedShaftPart
     #: By flank, the k displacement modes V of a contact of c pressure functions ``(c, k)``.
     modes_by_flank: dict[int, Array]
@@ -481,11 +481,11 @@ def condense_screw(
     nut : Nut
         The nut; the motion of the screw is computed at five sections between its faces.
     end_positions : tuple[float, float]
-        Axial positions of the ends of the stretch [m].
+        Axial positions of the ends of that part [m].
     stations_inside : Sequence[float]
-        Axial positions of the supports and loads that lie within the stretch [m].
+        Axial positions of the supports and loads that lie within that part [m].
     mesh : CoarseGroovedBodyMesh
-        Mesh of the stretch.
+        Mesh of that part.
     layout : BallLayout
         Positions of the balls.
     sides : tuple[int, ...]

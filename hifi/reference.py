@@ -333,7 +333,8 @@ class LoadCase:
         step : Callable[[int], None]
             Function that is called with the number of each round before it is solved.
         moving : bool
-            Whether normals and gaps follow the motion, as for `solve_next_round`.
+            Whether normals and gaps follow the motion of balls and grooves; if not, only the gaps are corrected for the
+            contacts' positions on their mesh grids.
 
         Returns
         -------
@@ -466,7 +467,8 @@ class LoadCase:
         report : Callable[[int], None], optional
             Function that is called with the number of each round before it is solved.
         moving : bool, default True
-            Whether normals and gaps follow the motion, as for `solve_next_round`.
+            Whether normals and gaps follow the motion of balls and grooves; if not, only the gaps are corrected for the
+            contacts' positions on their mesh grids.
         frozen : bool, default False
             Whether to compute, in addition, the contact loads with normals and gaps frozen at the nominal state.
 

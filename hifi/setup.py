@@ -89,7 +89,7 @@ class CondensedGeometry:
     condensed_nut: CondensedNut | None
     #: Condensed ball.
     condensed_ball: CondensedBall
-    #: Section of the shaft outside the 3D stretch.
+    #: Section of the shaft outside the part that is meshed in 3D.
     shaft_section: ShaftSection
     #: Uniform beam equivalent to the grooved shaft; None where it is not needed.
     equivalent_beam: EquivalentBeam | None

@@ -496,7 +496,8 @@ def _assemble_patch_stiffness_blocks(
 ) -> _PatchStiffnessBlocks:
     """Assemble the stiffness blocks of a patch.
 
-    ``mesh``, ``normals``, ``young``, ``poisson``: as for `condense_patch`; ``carrier``: the ``coarser_patch`` there.
+    ``mesh``: the patch; ``normals``: directions of the contact loads (c, 3); ``young``: Young's modulus [Pa]; ``poisson``:
+    Poisson's ratio; ``carrier``: coarser patch of the same refinement box whose mesh is used instead; None: ``mesh``.
     """
     base = mesh if carrier is None else carrier
     K = assemble_constant_form(elasticity_form(young, poisson), base.mesh)

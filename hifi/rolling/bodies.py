@@ -428,7 +428,8 @@ def _compliance_with_fixed_freedoms(K: sp.csr_array, fixed_freedoms: Index, noda
 def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance ``(m, m)`` [m/N] between m load cases on a body that is fixed at its boundary "held".
 
-    The arguments are those of `compliance_of_free_body`.
+    ``nodal_forces``: nodal forces of the m load cases (m, 3 n); ``young``: Young's modulus [Pa]; ``poisson``: Poisson's
+    ratio.
     """
     return _compliance_with_fixed_freedoms(
         forms.assemble_constant_form(elasticity_form(young, poisson), body.mesh),
@@ -440,8 +441,9 @@ def compliance_of_fixed_body(body: ContactBody, nodal_forces: sp.csr_array, youn
 def compliance_of_half_space_block(body: ContactBody, nodal_forces: sp.csr_array, young: float, poisson: float) -> Array:
     """Compute the compliance of a half-space between m load cases, on a block whose cut faces move as in the half-space.
 
-    The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. The
-    arguments are those of `compliance_of_free_body`; ``body`` is the block.
+    The motion of the cut faces is that of Boussinesq's and Cerruti's point forces, as in `hifi.contact.block`. ``body``:
+    the block, of n nodes; ``nodal_forces``: nodal forces of the m load cases (m, 3 n); ``young``: Young's modulus [Pa];
+    ``poisson``: Poisson's ratio.
 
     Returns
     -------
@@ -623,8 +625,10 @@ def compliance_kernel_of_bar(
 ) -> ComplianceKernel:
     """Compute the compliance of a grooved bar at a contact less that of a half-space (its kernel).
 
-    ``size``: size of the bar [m]; the other arguments are those of `compliance_kernel_of_ball`. Forces and motions are
-    those of a ball on the bar, as in `kernel_from_groove_response`.
+    ``groove``: cross-section of the groove; ``size``: radius of the outside of the bar, from the ball's centre [m];
+    ``zone``: contact zone; ``surface_curvatures``: curvatures along x and y of the surface that ball and groove share
+    [1/m], positive towards the ball; ``young``: Young's modulus [Pa]; ``poisson``: Poisson's ratio; ``degree``: degree of
+    the kernel's polynomials. Forces and motions are those of a ball on the bar, as in `kernel_from_groove_response`.
     """
     body = mesh_grooved_bar(groove, size, zone)
     answer = compliance_of_fixed_body(

@@ -290,7 +290,7 @@ def rigid_friction_contact(
     local : (n, 2) Array
         Coordinates of the normal forces along the contact's axes x and y [m].
     curved : bool
-        Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
+        Whether the contact lies on the curved surface that ball and groove share; otherwise it lies on the tangent plane.
     depth_of_centre : float, default 0.0
         Depth of the contact's centre inside the undeformed ball [m].
 
@@ -325,7 +325,7 @@ def elastic_friction_contact(
     patch : GridContact
         Solution of the normal contact on the grid.
     curved : bool
-        Whether the contact lies on the curved surface that ball and groove share, as for `surface_points_and_tangents`.
+        Whether the contact lies on the curved surface that ball and groove share; otherwise it lies on the tangent plane.
     elastic_factor : float, default 1.0
         Factor on the tangential compliance of the bodies.
 

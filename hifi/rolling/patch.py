@@ -136,7 +136,8 @@ class ComplianceKernel:
     def displacement_slopes(self, at: Array, rows: slice, columns: slice) -> Array:
         """Compute the derivative with respect to x of the displacements by unit forces ``(r n, c n)`` [1/N].
 
-        The arguments and the order of rows and columns are those of `displacements_by_unit_forces`.
+        ``at``: points of forces and displacements (n, 2) [m]; ``rows``, ``columns``: the r directions of the displacements
+        and the c directions of the forces (`TANGENTS`, `NORMAL`). Rows and columns are n for each direction in turn.
         """
         powers = monomial_exponents(self.degree)
         lower = np.maximum(powers - np.array([1, 0]), 0)

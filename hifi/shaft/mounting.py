@@ -52,7 +52,7 @@ class MeshedShaftPart:
     ports: tuple[float, ...]
     #: Axial positions of the observers (sections whose motion is computed) [m], six rows of F each.
     observers: tuple[float, ...]
-    #: Axial positions of the lower and upper end of the stretch [m].
+    #: Axial positions of the lower and upper end of this part of the screw [m].
     ends: tuple[float, float]
     #: Number of displacement modes of all contacts on this part.
     mode_count: int
@@ -222,7 +222,7 @@ def support_shaft_part(stretch: MeshedShaftPart, scene: Scene, section: ShaftSec
     Raises
     ------
     ValueError
-        A support or load inside the stretch lies at none of its ports (sections that can be loaded).
+        A support or load inside the 3D part lies at none of its ports (sections that can be loaded).
     """
     return join_and_support_shaft_parts((stretch,), ShaftSupports.from_scene(scene), lambda _: section)
 
@@ -257,7 +257,7 @@ def join_and_support_shaft_parts(
     Raises
     ------
     ValueError
-        A support or load inside a stretch lies at none of its ports (sections that can be loaded), or some stretches are
+        A support or load inside a 3D part lies at none of its ports (sections that can be loaded), or some 3D parts are
         rigid and others are not.
     """
     rigid = stretches[0].moves_with_base
@@ -498,14 +498,14 @@ def replace_shaft_part_by_beam(
     contact_positions : (c,) Array
         Axial positions of the contacts [m].
     stretch : MeshedShaftPart
-        The 3D stretch.
+        The part of the shaft that is meshed in 3D.
     section : ShaftSection
         Stiffnesses of the beam.
 
     Returns
     -------
     MeshedShaftPart
-        Flexibility of the beam in place of the 3D stretch.
+        Flexibility of the beam in place of that 3D part.
 
     Raises
     ------
