@@ -132,7 +132,8 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
             x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
             load = solve_screw_contact_loads(
-                replace(cell, push=push, drag=drag), (load.ball_displacements, load.inner_body_displacements)
+                replace(cell, ball_friction_forces=push, drag=drag),
+                (load.ball_displacements, load.inner_body_displacements),
             )
         start = moved.motion.unknown_velocities
     return CoupledBall(load, moved, change, rounds, good and change <= motion.AGREED * float(np.sum(load.force)))

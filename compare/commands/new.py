@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
@@ -58,6 +59,8 @@ def new(
     if shaft or set:
         advice = "add `rexs` with the name of the file"
         raise ArgumentError("shaft, set", "one of these options without a REXS file", "only with `rexs`", advice)
+    if not like and re.fullmatch(r"\d+(\.\d+)?x\d+(\.\d+)?", file.name):
+        raise ArgumentError("file", str(file), "the name of a file", f"write: rollbench new my.toml --like {file.name}")
     schema_line = f"#:schema {files.shipped_path('scene.schema.json').as_uri()}\n"  # lets editors complete and check keys
     write_new_file(file, schema_line + new_scene_text(kind, like))
     command = "solve" if (kind or "ball screw").replace("-", " ") in (*WHOLE, *AXES, *BEARINGS) else "friction"

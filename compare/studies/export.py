@@ -138,7 +138,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     place: Any = partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side)
     if kind == "ball-patch":
         place = ball_socket_and_map(m, meshes.socket_size, side, meshes.relative_zone_size)[1]
-    return with_only_boundaries(mesh_patch(meshes, body.sockets[side], place, settings).mesh, "contact", "interface")
+    return with_only_boundaries(mesh_patch(meshes, body.box_faces[side], place, settings).mesh, "contact", "interface")
 
 
 def solve_displacement_and_stress_of_part(

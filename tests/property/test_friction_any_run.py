@@ -44,7 +44,7 @@ def test_energy_order_and_forces(seed):
         gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(
-            np.full(h.time.size, track.ring - h.setting.balls.spacing[on_track].sum()), abs=1e-9
+            np.full(h.time.size, track.ring - h.setting.balls.touching_spacing[on_track].sum()), abs=1e-9
         )
         assert force.min() >= 0.0
         assert np.max(gap[force > 0.0], initial=0.0) < 1e-9

@@ -43,7 +43,7 @@ def wrong(e):
     if p.value is None:
         return [replace(e, holds=not e.holds)]
     step = 2.0 * p.tolerance or 1e-6 * abs(p.value)  # an exact number has no tolerance
-    off = e.compared + math.copysign(step, e.compared - p.value)
+    off = e.compared_value + math.copysign(step, e.compared_value - p.value)
     others = [off] if p.cls != "band" else [p.low - step, p.high + step]
     return [replace(e, **{"as_printed" if p.cls == "as-printed" else "value": other}) for other in others]
 

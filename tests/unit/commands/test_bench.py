@@ -34,7 +34,7 @@ def test_a_command_is_timed_from_an_empty_home_again_and_beside_a_busy_process()
 def test_the_report_shows_commands_as_typed_with_what_they_are_to_reach(tmp_path):
     kept = load_run_times((shipped_store(),))
     found = run_times.CommandTime("solve my.toml", 2.0, 1.9, 2.5, 0.75, 0.7, 3.0, 2.6)
-    run_times.save_run_times(tmp_path, replace(kept, typed=(found,)))
+    run_times.save_run_times(tmp_path, replace(kept, command_times=(found,)))
     (row,) = reference_time.command_time_table(load_run_times([tmp_path])).rows
     assert [row[key] for key in ("command", "seconds", "again", "beside_cpu")] == ["solve my.toml", 2.0, 0.75, 2.6]
     assert row["reach"]

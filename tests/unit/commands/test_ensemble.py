@@ -34,7 +34,7 @@ def assert_same_loads(scene, result, members, first=0):
         single = solve_static(scene, engine="compiled", member=first + m)
         assert result.statuses[m] == single.status
         np.testing.assert_allclose(result.loads[m], single.load, rtol=0, atol=1e-9 * np.nanmax(single.load))
-        assert result.works[m] == pytest.approx(work_done_by_loads(scene, single), rel=1e-9, nan_ok=True)
+        assert result.works_of_loads[m] == pytest.approx(work_done_by_loads(scene, single), rel=1e-9, nan_ok=True)
 
 
 SCENES = [

@@ -93,7 +93,7 @@ def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
         return found if len(tries) < 4 and not tries.append(at) else replace(found, status="none")
 
     tries = []
-    full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve=solve), 0.02, 4)
+    full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve_contact_loads=solve), 0.02, 4)
     run, degrees = simulation_with_status(history, None, Time(angle=0.2, steps=4)), np.degrees(0.2)
     data, lines = transient_simulation_as_json(run), lines_on_simulation(run)
     assert (data["steps"], data["complete"]) == (3, False)

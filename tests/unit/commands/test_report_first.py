@@ -28,7 +28,7 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(monkeypatch, factor,
     shipped = load_stored_run(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
 
     def again(task, _):
-        assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)
+        assert (task.scenes[0].name, task.level, task.cache_folder) == (CHECKED, LEVEL, None)
         return [replace(shipped, load=factor * shipped.load)]
 
     monkeypatch.setattr(report_first, "compute_reference_runs", again)

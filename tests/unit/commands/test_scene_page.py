@@ -142,7 +142,7 @@ def both(tmp_path_factory):
 
 def test_scenes_stand_side_by_side_with_the_numbers_of_their_pages(both) -> None:
     folder, said = both
-    assert said.code == 0
+    assert said.exit_code == 0
     assert sorted(path.name for path in (folder / "out").iterdir()) == ["index.html", "two-balls.html", "two.html"]
     index = (folder / "out" / "index.html").read_text(encoding="utf-8")
     assert re.findall(r'<dt><a href="(.*?)">', index) == ["two-balls.html", "two.html"]

@@ -89,7 +89,7 @@ def test_a_lip_is_soft_and_a_clamp_is_stiff(case):
     compliance = own(scene("lin-case1"), 1)
     assert compliance[[-1, -2]] - compliance[16] == pytest.approx([1.756, 1.352], rel=0.04)
     found = groove_and_face_compliance_of_body(parts, False, REFINED)
-    distance = np.array([2.05, 2.50]) * flank.map.ball + found.contact_to_mid_groove
+    distance = np.array([2.05, 2.50]) * flank.groove_map.ball + found.contact_to_mid_groove
     assert (found.compliance_by_face(True, np.zeros(2), distance)[:, 0, 0, 0, 0] < 0.0).all()
     assert found.compliance_by_face(False, np.zeros(1), np.array([1.0]))[0] == pytest.approx(
         np.zeros((2, 2, 2, 2)), abs=1e-20
@@ -179,7 +179,7 @@ def test_far_from_a_face_it_does_not_matter_how_the_face_is_held(case):
     section, angle = grooved_section(parts, False), np.array([0.0, 0.1, 0.4])
     whole_face, annulus = (
         faces.compute_groove_and_face_compliance(flank, smooth, section, radii, has_near_face=False)
-        for radii in ((0.0, np.inf), (1.1 * smooth.outer, 1.5 * smooth.outer))
+        for radii in ((0.0, np.inf), (1.1 * smooth.outer_radius, 1.5 * smooth.outer_radius))
     )
     assert annulus.self_compliance == whole_face.self_compliance
     assert np.array_equal(annulus.compliance_far_from_faces(angle), whole_face.compliance_far_from_faces(angle))

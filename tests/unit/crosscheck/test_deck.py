@@ -125,7 +125,7 @@ def test_units_and_names():
     for head, row, factor in (("*ELASTIC", (0, 0), 1e-6), ("*SURFACE BEHAVIOR", ..., 1e-9), ("*SPRING", 1, 1e-3)):
         assert table(mm, head)[row] == pytest.approx(factor * table(m, head)[row])
     for bad in ("two words", "x" * 81, "HIGH_face", ""):
-        body = replace(deck.bodies[0], nodes={bad: np.array([0])})
+        body = replace(deck.bodies[0], node_sets={bad: np.array([0])})
         with pytest.raises(ValueError, match="set"):
             deck_text(replace(deck, bodies=(body, deck.bodies[1])))
 
@@ -185,7 +185,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         centre = np.array([20e-3 * np.cos(azimuth), 20e-3 * np.sin(azimuth), 7e-3])
         r = np.linalg.norm(ball.points - centre, axis=1)
         assert r.max() == pytest.approx(4.005e-3, abs=1e-9)  # really 5 um larger
-        assert set(ball.faces) == {f"{name}_{s}" for s in ("SL", "SR", "NL", "NR")}
+        assert set(ball.face_sets) == {f"{name}_{s}" for s in ("SL", "SR", "NL", "NR")}
         outer = np.unique(surface_faces(ball.cells))
         assert np.all(np.abs(r[outer] - 4.005e-3) < 1e-8)
     for side, sign in (("SL", (-1, -1)), ("NR", (1, 1))):
@@ -281,7 +281,7 @@ def test_the_command_writes_a_deck(tmp_path, command):
 def test_a_half_is_held_in_its_plane(meshed):
     whole, half = meshed, build_deck(catalogue.scene("two-balls"), replace(COARSE, half=True))
     assert half.deck.symmetry_node_sets == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
-    assert not whole.deck.mirrored
+    assert not whole.deck.symmetry_node_sets
     text = deck_text(half.deck)
     held = [line for key, data in blocks(text) if key == "*BOUNDARY" for line in data]
     assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.symmetry_node_sets]

@@ -82,7 +82,7 @@ def test_linear_deviation_of_velocity_by_differences(nominal):
 
 def linear_balance(bearing, angles, loads, x, force, k_f):
     """Force and moments out of balance ``(3,)`` of one ball with the linear friction law, by vectors in space."""
-    radius, constants = bearing.ball_radius, bearing.hertz()
+    radius, constants = bearing.ball_radius, bearing.contact_hertz_constants()
     a = constants.C_a * np.cbrt(loads)
     ellip = ellipe(1.0 - float(constants.C_b / constants.C_a) ** 2)
     total, turn = -force, np.zeros(3)

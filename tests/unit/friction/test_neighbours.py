@@ -33,7 +33,7 @@ def pushed():
 
 
 def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
-    n = pushed.neighbours
+    n = pushed.neighbour_friction
     assert n.touching == 5
     assert 0.0 <= n.least <= TOUCHING
     assert n.force.min() >= 0.0
@@ -49,7 +49,7 @@ def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
 
 def test_backwards_other_neighbours_push(pushed):
     back = state(touching(), PUSH, Motion(10.0))
-    assert back.friction_sums.reverse_power == pytest.approx(pushed.torque.power, rel=1e-9)
+    assert back.friction_sums.reverse_power == pytest.approx(pushed.friction_sums.power, rel=1e-9)
     assert np.all(back.neighbour_friction.force_on_next_ball == 0.0)
 
 
@@ -57,7 +57,7 @@ def test_without_friction_of_balls_or_grooves_nothing_is_lost_there(pushed):
     smooth = state(touching(), replace(PUSH, balls=0.0), TURN)
     assert smooth.neighbour_friction.force_on_next_ball.max() > 0.0
     assert smooth.neighbour_friction.power_lost_between_balls == pytest.approx(0.0, abs=1e-12)
-    free = friction_with_neighbours(touching(), pushed.at, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
+    free = friction_with_neighbours(touching(), pushed.contacts, Friction(0.0, 0.0, feedback=False, neighbours=True), TURN)
     assert free.power_lost_between_balls == free.ball_friction.total_power_lost == 0.0
 
 
@@ -91,7 +91,7 @@ def test_neighbours_push_at_the_loads_that_friction_leaves(pushed):
     moved, found = (state(scene, replace(PUSH, feedback=True, neighbours=n), TURN) for n in (False, True))
     assert found.friction_changes_loads
     assert np.array_equal(found.contacts.force, moved.contacts.force)
-    assert np.abs(found.contacts.force - pushed.at.force).max() > 1e-3 * pushed.at.force.max()
+    assert np.abs(found.contacts.force - pushed.contacts.force).max() > 1e-3 * pushed.contacts.force.max()
     assert found.neighbour_friction.force_on_next_ball.max() > 0.0
     assert found.friction_sums.input_power == pytest.approx(found.friction_sums.power, rel=1e-6)
     assert found.friction_sums.power > moved.friction_sums.power

@@ -143,7 +143,9 @@ def test_unique_from_random_starts_in_any_frame_and_engine(forces):
     """Both rings turned along by the same speed: the orbit follows, the loss stays."""
     p = problem_of(forces)
     m, quick = (least_dissipation(p, fast=f) for f in (False, True))
-    turned = least_dissipation(replace(p, drives=p.imposed_contact_motions - 13.0 * p.contact_motion_maps[:, :, 0]))
+    turned = least_dissipation(
+        replace(p, imposed_contact_motions=p.imposed_contact_motions - 13.0 * p.contact_motion_maps[:, :, 0])
+    )
     assert quick.unknown_velocities == pytest.approx(m.unknown_velocities, rel=1e-9)
     assert turned.unknown_velocities - [13.0, 0.0, 0.0] == pytest.approx(m.unknown_velocities, rel=1e-9)
     assert [turned.loss, quick.loss] == pytest.approx([m.loss] * 2, rel=1e-10)
@@ -220,7 +222,7 @@ def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
     maps = np.eye(3)[None]
     base = BodyMotionProblem(contacts_from_values(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
-    held = least_dissipation(replace(base, push=np.array([0.0, 6.0, 1e-3])))
+    held = least_dissipation(replace(base, other_forces=np.array([0.0, 6.0, 1e-3])))
     assert held.status == "exact"
     assert held.sticking_contacts[0]
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)

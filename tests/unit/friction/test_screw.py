@@ -115,7 +115,7 @@ def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
 def test_loads_are_the_least_energy(rng: np.random.Generator) -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
     pair = replace(screw_pair_with_inferred_oversize(TWO), free="rz", force=(3.0, 50.0))
-    cell = replace(pair.cell(), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
+    cell = replace(pair.cell(), ball_friction_forces=np.array([[1.0, -2.0], [0.5, 3.0]]))
     scale, arrays = 1e-6, kernel_load_arrays(cell)
     state = zero_contact_state_arrays(arrays)
 

@@ -115,7 +115,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
         guess = IterationStart(push, np.zeros(1), floats.motion.q, np.zeros(2))
         found.append(solve_coupled_chain(cell, np.full(2, np.inf), "ball", None, 100, guess))
-    wedged = [s for s in found if s.load.force[1].sum() > 0.1]
+    wedged = [s for s in found if s.loads_with_friction.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)
     for s in wedged:

@@ -18,7 +18,7 @@ SLACK = np.array([0.0, np.inf])
 def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     pair = replace(screw_pair_with_inferred_oversize(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
-    cell = replace(pair.cell(), push=push)
+    cell = replace(pair.cell(), ball_friction_forces=push)
     fast, slow = solve_screw_contact_loads(cell), solve_screw_contact_loads(cell, fast=False)
     assert fast.converged
     assert slow.converged

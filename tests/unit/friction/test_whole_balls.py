@@ -79,7 +79,7 @@ def integral(found, at, i, s, mu):
     radius, turn = np.meshgrid((np.arange(400) + 0.5) / 400, 2.0 * np.pi * np.arange(400) / 400, indexing="ij")
     half_x, half_z = (at.a[i, s], at.b[i, s]) if at.across[i, s] else (at.b[i, s], at.a[i, s])
     x, z = half_x * radius * np.cos(turn), half_z * radius * np.sin(turn)
-    vx, vz, spin = found.motion[i, s]
+    vx, vz, spin = found.contact_motions[i, s]
     pressure = 1.5 * at.force[i, s] / np.pi * np.sqrt(1.0 - radius**2)
     area = radius / 400.0 * 2.0 * np.pi / 400.0
     return float((mu * pressure * np.hypot(vx + spin * z, vz - spin * x) * area).sum())

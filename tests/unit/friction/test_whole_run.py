@@ -63,7 +63,7 @@ def test_energy_load_and_order_at_every_instant(name, motion, friction):
     np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
     for track, on_track in ((track, track.balls) for track in h.setting.tracks):
         gap, force = h.gap[:, on_track], h.ball_force[:, on_track]
-        free = track.ring - h.setting.balls.spacing[on_track].sum()
+        free = track.ring - h.setting.balls.touching_spacing[on_track].sum()
         assert gap.min() >= 0.0
         assert gap.sum(axis=1) == pytest.approx(np.full(h.time.size, free), abs=1e-10)
         assert force.min() >= 0.0
@@ -204,7 +204,7 @@ def test_loads_again_are_those_of_a_single_solution():
 def test_what_is_refused():
     scene = crowded()
     drawn = draw_errors(scene)
-    large = replace(drawn, ball_radius=drawn.ball_radii + 20e-6)
+    large = replace(drawn, ball_radii=drawn.ball_radii + 20e-6)
     with pytest.raises(ValueError, match="overlap"):
         balls_in_circuits(scene, MU, TURN, large)
 

@@ -111,7 +111,9 @@ def test_one_file_with_three_cases_goes_through_all_commands_with_one_set_of_bod
     from rollbench.hifi import setup
 
     path, store, set_ups, prepare = written(tmp_path, TEXT), str(tmp_path / "store"), [], setup.mesh_and_condense_geometry
-    monkeypatch.setattr(setup, "prepare", lambda *given, **options: set_ups.append(1) or prepare(*given, **options))
+    monkeypatch.setattr(
+        setup, "mesh_and_condense_geometry", lambda *given, **options: set_ups.append(1) or prepare(*given, **options)
+    )
     limits = "--limit", "life=50", "--limit", "contact angle=5"
     commands = {"solve": (), "compare": ("--levels", "1", "--store", store), "check": ("--stored", store, *limits)}
     for word, options in (commands | {"friction": ()}).items():

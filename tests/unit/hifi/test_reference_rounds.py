@@ -49,7 +49,7 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
     """One update of directions and gaps does not settle these loads."""
     file, store = tmp_path / "two.toml", tmp_path / "store"
     file.write_text(own_text("two-balls-across"))
-    monkeypatch.setattr(setup, "prepare", lambda *given, **_: replace(small, settings=given[2]))
+    monkeypatch.setattr(setup, "mesh_and_condense_geometry", lambda *given, **_: replace(small, settings=given[2]))
     for updates, code in ((1, 5), (reference.ROUNDS, 0)):
         monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
         ended, found = command.json("compare", file, "--levels", "1", "--fresh", "--store", store, "--json")

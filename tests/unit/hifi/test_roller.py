@@ -114,7 +114,7 @@ def test_middle_pressure_is_that_of_line_contact(pressed):
     s = states[1.0]
     radius, cone, cup = np.tan(np.radians([4.0, 22.8, 30.8])) * 0.5 * ROW.diameter / np.sin(np.radians(4.0))
     curved = np.array([1.0 / radius - 1.0 / cup, 1.0 / radius + 1.0 / cone])
-    hertz = np.sqrt(s.middle_line_load * curved * E / (1.0 - NU**2) / 2.0 / np.pi)
+    hertz = np.sqrt(s.line_load_at_middle * curved * E / (1.0 - NU**2) / 2.0 / np.pi)
     assert s.middle_pressure == pytest.approx(hertz, rel=0.01)
     assert s.imbalance < 1e-4
     assert np.all(s.pressure.max(axis=(1, 2)) > 1.5 * s.middle_pressure)
@@ -124,7 +124,7 @@ def test_middle_pressure_is_that_of_line_contact(pressed):
 def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
     """Of plane strain delta/q = g - S ln q, with S = 4 (1 - nu^2)/(pi E) whatever the bodies are."""
     _, states = pressed
-    q = [float(states[s].middle_line_load.mean()) for s in (1.0, 0.25)]
+    q = [float(states[s].line_load_at_middle.mean()) for s in (1.0, 0.25)]
     compliance = [states[s].approach / x for s, x in zip((1.0, 0.25), q, strict=True)]
     slope = (compliance[0] - compliance[1]) / np.log(q[0] / q[1])
     assert slope == pytest.approx(-4.0 * (1.0 - NU**2) / (np.pi * E), rel=0.05)
@@ -134,7 +134,7 @@ def test_approach_over_line_load_has_the_slope_of_two_line_contacts(pressed):
 def test_stiffness_is_the_slope_of_load_over_approach(pressed):
     bodies, states = pressed
     low, high = press_roller_between_races(bodies, 0.7 * LOAD), states[1.0]
-    secant = (high.load - low.race_force) / (high.approach - low.approach)
+    secant = (high.race_force - low.race_force) / (high.approach - low.approach)
     assert low.stiffness < secant < high.stiffness
 
 

@@ -158,7 +158,7 @@ def test_without_motion_rolling_presses_as_the_static_reference_does():
     bare = solve_hertz(100.0, *at.relative_radii, E, NU)
     assert abs(bare.approach / there.approach - 1.0) > 0.015  # half spaces
     with pytest.raises(ValueError, match="straight track"):
-        solve_normal_contact_by_patches(replace(at, curve=None), 100.0, E, NU, (4, 4))
+        solve_normal_contact_by_patches(replace(at, path_radius_and_rise=None), 100.0, E, NU, (4, 4))
 
 
 def test_finite_balls_pushed_sideways_shift_by_what_their_bodies_do_besides(monkeypatch):
@@ -187,7 +187,7 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     assert 1.0 - loss == pytest.approx(0.5 * circle.approach / scene.ball_radius, rel=0.05)
     motions = found.friction_solution.motions.copy()
     motions[3] += 5.0 * np.abs(motions).max()
-    spun = replace(found, friction=replace(found.friction_solution, motions=motions))
+    spun = replace(found, friction_solution=replace(found.friction_solution, motions=motions))
     force, loss = compare_ball_friction_with_point(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9 < 1.1 < loss
 
@@ -222,7 +222,9 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
         solve_rolling(linear_pair(mated=True), RollingSettings((10, 12), finite_bodies=COARSE)).ball_to_ball_forces[0]
         < 1e-9
     )
-    bare = replace(scene.balls[0], touches=tuple(replace(t, bottom=None) for t in scene.balls[0].groove_contacts))
+    bare = replace(
+        scene.balls[0], touches=tuple(replace(t, direction_to_groove_bottom=None) for t in scene.balls[0].groove_contacts)
+    )
     with pytest.raises(ValueError, match="bottom"):
         solve_rolling(replace(scene, balls=(bare, scene.balls[1])), RollingSettings((6, 6), finite_bodies=COARSE))
 

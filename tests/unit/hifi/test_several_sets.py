@@ -89,7 +89,7 @@ def test_each_set_carries_what_it_carries_alone(prepared):
     found = solve_nuts_on_one_shaft(held, setups)
     assert found.status == "converged"
     assert max(found.unbalanced_ball_force, found.unbalanced_force_along_groove, found.unbalanced_shaft_force) < 1e-9
-    assert found.degree_of_freedom_count == sum(setup.unknowns for setup in setups)
+    assert found.degree_of_freedom_count == sum(setup.degree_of_freedom_count for setup in setups)
     assert sum(wrench[2] for wrench in found.forces_on_shaft) == pytest.approx(-300.0, rel=1e-9)
     for of_set, setup, balls, wrench in zip(
         meshed_geometry_of_each_set(held), setups, ball_slices_by_set(held), found.forces_on_shaft, strict=True

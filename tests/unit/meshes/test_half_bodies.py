@@ -79,6 +79,6 @@ def test_a_half_ball_is_half_of_the_ball(sign):
 def test_a_helix_and_a_ring_without_bore_are_not_halved():
     spec, _ = ring(True)
     shell = ClosedSurfaceMesh(None, lambda x: np.ones(len(x)), 1e-3, 6)
-    for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
+    for m, body in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, inner_radius=0.0))):
         with pytest.raises(ValueError, match="ring with a bore"):
             HalfRingSurface(shell, m, body)

@@ -55,7 +55,9 @@ def test_every_entry_has_an_expected_verdict_and_what_contradicts_an_open_one_a_
 
 
 def test_a_verdict_other_than_the_expected_is_named():
-    right, wrong = (PrintedEntryComparison(replace(PLAIN, verdict="reproduced"), value=value) for value in (1.0, 2.0))
+    right, wrong = (
+        PrintedEntryComparison(replace(PLAIN, expected_verdict="reproduced"), value=value) for value in (1.0, 2.0)
+    )
     said = "lin-x:a: the expected verdict is reproduced, the actual verdict is contradicted"
     assert (right.verdict_change, wrong.verdict_change) == ("", said)
     assert (

@@ -30,7 +30,7 @@ def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_e
     """The file's function test_entry is parametrised with the keys of the table."""
     module, name = computation.function_name.split(":")
     assert callable(getattr(import_module(module), name))
-    tree = ast.parse((ROOT / computation.test).read_text(encoding="utf-8"))
+    tree = ast.parse((ROOT / computation.test_file).read_text(encoding="utf-8"))
     (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")
     assert "check(key)" in ast.unparse(entry)
     (marked,) = import_module(computation.test.removesuffix(".py").replace("/", ".")).test_entry.pytestmark

@@ -272,7 +272,7 @@ def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path
     monkeypatch.syspath_prepend(str(tmp_path))
     import only_here
 
-    monkeypatch.setattr(parallel, "_version", only_here.version)
+    monkeypatch.setattr(parallel, "_rollbench_version", only_here.version)
     with pytest.raises(InputError, match=r"workers without rollbench .*only_here"):
         run(JOBS, "dask", scheduler)
 

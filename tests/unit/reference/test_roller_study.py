@@ -29,13 +29,13 @@ def shipped(kind):
 
 
 def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
-    assert len(kind.sets) == 4
+    assert len(kind.bearing_names) == 4
     assert kind.load == pytest.approx(1258.0, abs=1.0)
 
 
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
-    bearing = tapered_bearing_of_row(kind.row)
+    bearing = tapered_bearing_of_row(kind.roller_row)
     row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.row, kind.load)
     thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
@@ -54,7 +54,7 @@ def test_low_order_laws_are_those_of_the_statics(kind):
 def test_shipped_runs_meet_line_contact_and_settle(kind, shipped):
     """Within 1 % in the middle on every level; approach and stiffness settle, and their bars cover level 1."""
     for run in shipped:
-        hertz = roller.line_contact_pressures(kind.row, run.middle_line_load[0])
+        hertz = roller.line_contact_pressures(kind.roller_row, run.middle_line_load[0])
         assert run.middle_pressure == pytest.approx(hertz, rel=0.01)
         assert run.imbalance < 1e-4
     rows = {row["quantity"]: row for row in roller.roller_quantity_rows(kind, shipped)}
@@ -75,7 +75,7 @@ def test_damaged_runs_are_not_used(kind, shipped, tmp_path):
 
 
 def test_sharp_straight_rollers_are_refused(kind, tmp_path):
-    sharp = replace(kind, row=replace(kind.row, edge_radius=None))
+    sharp = replace(kind, row=replace(kind.roller_row, edge_radius=None))
     with pytest.raises(SceneNotCoveredError, match="edge_radius"):
         roller.load_or_compute_roller_run(sharp, 1, (tmp_path,))
 

@@ -34,7 +34,7 @@ def study_of(kept, **options):
 
 
 def points_of(study, name="lin-case1"):
-    return reference_time.error_and_time_points(name, study.reference(name), study, quiet)
+    return reference_time.error_and_time_points(name, study.stored_reference(name), study, quiet)
 
 
 def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
@@ -46,7 +46,7 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     assert kept_times.load_run_times([tmp_path]) is None
     assert "measured with 0.7.0 on a machine, 2026-01-02, not with the" in str(KEPT)
     now = measuring_conditions()
-    assert str(replace(KEPT, measured=now)).endswith("2026-01-02.")
+    assert str(replace(KEPT, measuring_conditions=now)).endswith("2026-01-02.")
     assert "not on the machine" in str(replace(KEPT, measured=replace(now, machine="another")))
     assert "before the last changes to the solvers" in str(replace(KEPT, measured=replace(now, sources="another")))
 

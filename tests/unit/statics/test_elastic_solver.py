@@ -61,7 +61,7 @@ def assembled(scene, backend=REFINED, use=ALL, engine=None):
 
 def motions(elastic, phi, amplitudes):
     """v0 + G phi + R a by whole matrices."""
-    flanks = elastic.given.bodies
+    flanks = elastic.kernel_arrays.bodies
     v = flanks.v0 + flanks.R @ amplitudes
     if flanks.second.size == 0:
         return v + (flanks.first @ phi.ravel()).reshape(v.shape)

@@ -28,7 +28,9 @@ def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
         values = np.array([getattr(p, key) for p in points])
         assert values.min() < 0.97 * printed
         assert values.max() > 1.3 * printed
-        layouts = {(p.hold, p.opposed) for p, v in zip(points, values, strict=True) if abs(v / printed - 1.0) < 0.08}
+        layouts = {
+            (p.pinion_restraint, p.opposed) for p, v in zip(points, values, strict=True) if abs(v / printed - 1.0) < 0.08
+        }
         assert len(layouts) >= 2
 
 

@@ -56,7 +56,7 @@ def test_open_where_no_likely_draw_gives_it_or_all_would(row) -> None:
     p = place(row)
     low, high = np.quantile(liu.random_screw_values_for_printed_number(row.key), [0.005, 0.995])
     narrow = high - low <= 0.25 * (high + low)
-    assert (row.cls == "band") == (p.tail_probability >= liu.UNLIKELY and narrow), (row.key, p, low, high)
+    assert (row.entry_class == "band") == (p.tail_probability >= liu.UNLIKELY and narrow), (row.key, p, low, high)
     words = by_key(row.key).remark
     assert f"percentile {p.percent:.1f} ± {p.standard_error:.1f}" in words
     assert f"probability {p.tail_probability:.4f}" in words
