@@ -153,5 +153,5 @@ def test_member_draws_the_specimen_of_loads_and_friction():
     assert [a.data["member"] for a in found] == [0, 1]
     assert ", specimen 1 of its random errors, " in str(friction_terminal_parts(found[1])[0])
     assert answer(mine()).data["member"] is None
-    with pytest.raises(InputError, match="no random errors"):
+    with pytest.raises(InputError, match="no random geometric errors"):
         answer(mine(), member=1)

@@ -21,16 +21,24 @@ CASE = catalogue.scene("lin-case1")
 
 def prepared(scene=CASE, **changes):
     """What `enlarged` reads of a set-up."""
-    parts = {"map": GrooveMap.from_scene(scene), "layout": ball_layout(scene), "dims": dimensions_of_3d_parts(scene)}
-    return SimpleNamespace(scene=scene, **parts, sides=(0, 3), settings=replace(mesh_settings([scene], 1), **changes))
+    parts = {
+        "groove_map": GrooveMap.from_scene(scene),
+        "ball_positions": ball_layout(scene),
+        "solid_dimensions": dimensions_of_3d_parts(scene),
+    }
+    return SimpleNamespace(
+        scene=scene, **parts, loaded_flanks=(0, 3), mesh_settings=replace(mesh_settings([scene], 1), **changes)
+    )
 
 
 def zone(settings, setup=None):
     """Half widths [m] of the contact zone across and along the groove."""
     setup = setup or prepared()
-    size = choose_socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
-    width = size.gamma * float(setup.map.radius.mean())
-    widths = (width, size.phi * setup.map.R)
+    size = choose_socket_size(
+        setup.scene, setup.groove_map, setup.ball_positions, setup.loaded_flanks, setup.solid_dimensions, settings
+    )
+    width = size.gamma * float(setup.groove_map.radius.mean())
+    widths = (width, size.phi * setup.groove_map.R)
     shares = choose_patch_cells(settings, widths, size.depth)[1]
     return shares[0] * widths[0], shares[1] * widths[1]
 
@@ -47,8 +55,8 @@ def test_patches_grow_to_the_loads_found(factor):
     larger, words = settings_with_larger_patches(setup, [found(factor)], 2)
     assert larger is not None
     needs = factor ** (1.0 / 3.0) * estimate_contacts_of_scene(CASE).semi_axes_across.max()
-    assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
-    assert max(after / before for after, before in zip(zone(larger), zone(setup.settings), strict=True)) > 1.0
+    assert larger.reach[0] >= max(BEYOND * setup.mesh_settings.reach[0], needs) * (1.0 - 1e-12)
+    assert max(after / before for after, before in zip(zone(larger), zone(setup.mesh_settings), strict=True)) > 1.0
     assert f"need {1e3 * needs:.3g} mm across" in words
     assert "the patch has" in words
 
@@ -59,11 +67,11 @@ def test_a_patch_is_as_long_as_a_contact_that_its_lead_sets_askew():
     setup = prepared(drawn)
     load = np.tile([31.35, 0.0, 0.0, 31.35], (drawn.ball_count, 1))
     run = load, np.where(load > 0.0, np.radians(48.6), np.nan)
-    unit, m = hertz_contacts_under_unit_force(drawn)[0], setup.map
+    unit, m = hertz_contacts_under_unit_force(drawn)[0], setup.groove_map
     across, along = (np.cbrt(31.35) * x for x in (unit.semi_x, unit.semi_y))
     lead = float(np.hypot(across * np.cos(m.beta) * np.sin(m.alpha), along))
     larger, words = settings_with_larger_patches(setup, [run], 2)
-    assert along < zone(setup.settings, setup)[1] < lead
+    assert along < zone(setup.mesh_settings, setup)[1] < lead
     assert "skew contacts" in words
     assert lead < larger.reach[1] < 1.5 * lead
     assert larger.reach[1] < zone(larger, setup)[1]
@@ -90,5 +98,5 @@ def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
     setup = prepared(reach=(1.45e-3, 0.2e-3))
     larger, _ = settings_with_larger_patches(setup, [found(1.0)], 2)
     assert larger is not None
-    assert zone(setup.settings)[0] < zone(larger)[0]
+    assert zone(setup.mesh_settings)[0] < zone(larger)[0]
     assert 1.54e-3 < larger.reach[0] < 1.58e-3

@@ -49,7 +49,7 @@ def member_of(scene, member=0):
 def test_members_are_the_single_solves():
     found = solve_random_draws_of_scene(RANDOM, "lin", 5)
     loads = np.stack([member_of(RANDOM, m).load for m in range(5)])
-    for name, of in (("mean", np.mean), ("largest", np.max), ("smallest", np.min)):
+    for name, of in (("mean_loads", np.mean), ("largest", np.max), ("smallest_loads", np.min)):
         np.testing.assert_allclose(getattr(found.load_distributions, name), of(loads, axis=0), rtol=1e-12, err_msg=name)
     np.testing.assert_allclose(found.load_distributions.standard_deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
     np.testing.assert_allclose(found.outputs[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
@@ -83,7 +83,7 @@ def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
     monkeypatch.setattr(members.parallel, "run_jobs", backwards)
     shared = solve_random_draws_of_scene(RANDOM, "lin", 12, ComputingSettings(parallel_jobs=2))
     assert np.array_equal(alone.outputs, shared.outputs)
-    for name in ("mean", "deviation", "smallest", "largest", "counts"):
+    for name in ("mean_loads", "standard_deviation", "smallest_loads", "largest", "counts"):
         assert np.array_equal(getattr(alone.load_distributions, name), getattr(shared.load_distributions, name)), name
 
 

@@ -84,7 +84,7 @@ def test_bad_input_is_refused():
     for loads in ([], [0.0], [-1.0], [np.nan]):
         with pytest.raises(ValueError, match="loads"):
             solve_screws_with_errors(CHAIN, np.zeros((1, 78)), np.array(loads))
-    for kwargs in ({"members": 0}, {"members": 5, "chunk": 0}):
+    for kwargs in ({"screw_count": 0}, {"screw_count": 5, "chunk": 0}):
         with pytest.raises(ValueError, match="positive"):
             solve_ensemble(CHAIN, 1e-6, LOADS, **kwargs)
     with pytest.raises(KeyError, match="not solved at"):

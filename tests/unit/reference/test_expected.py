@@ -117,6 +117,6 @@ def test_stored_files_are_readable_by_the_group(tmp_path) -> None:
 def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("gmsh")
     ended = Mock(side_effect=MemoryError("a process of the set-up was ended from outside"))
-    monkeypatch.setattr("rollbench.hifi.setup.prepare", ended)
+    monkeypatch.setattr("rollbench.hifi.setup.mesh_and_condense_geometry", ended)
     with pytest.raises(errors.InputError, match=r"memory.*ended from outside.*fewer workers"):
         computing.compute_reference_runs(TASK)

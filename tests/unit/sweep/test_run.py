@@ -32,7 +32,7 @@ SCENE = "two-balls"
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
-from rollbench.compare.reference.jobs import Engine
+from rollbench.compare.reference.jobs import ComputingSettings
 from rollbench.compare.scenes import catalogue
 from rollbench.compare.studies.sweep import run as sweeping, sample
 from rollbench.compare.studies.sweep.keys import read_varied_keys
@@ -48,7 +48,7 @@ killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
-        sweeping.solve_missing_samples(what, folder, Engine(workers=workers), print)
+        sweeping.solve_missing_samples(what, folder, ComputingSettings(workers=workers), print)
         os._exit(0)
     until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
     while lines() < min(until, {samples}):
@@ -61,7 +61,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
-sweeping.solve_missing_samples(what, folder, Engine(workers=workers), print)
+sweeping.solve_missing_samples(what, folder, ComputingSettings(workers=workers), print)
 """
 
 

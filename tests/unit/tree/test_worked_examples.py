@@ -68,11 +68,11 @@ def test_a_quantity_takes_its_field_and_its_value(tree, tmp_path):
         '    mean_pressure: float = quantity_field("mean_pressure_MPa", "its mean pressure, 2/3 of the highest", '
         'heading="mean pressure")\n'
     )
-    change(tree, "lowfi/rating/contacts.py", r"(class Contact:(?:.|\n)*?)(\n\n@)", rf"\1{field}\2")
+    change(tree, "lowfi/rating/contacts.py", r"(class BallContact:(?:.|\n)*?)(\n\n@)", rf"\1{field}\2")
     change(
         tree,
         "lowfi/rating/contacts.py",
-        r"(return Contact\((?:.|\n)*?)(\n    \))",
+        r"(return BallContact\((?:.|\n)*?)(\n    \))",
         r"\1\n        float(pressure[i, s]) / 1.5,\2",
     )
     words = ("solve", "lin-case1", "--model", "lin")

@@ -164,7 +164,9 @@ def test_largest_torque_of_3_4_4_is_not_identifiable() -> None:
     assert values[0] < row.value < values[1]
 
 
-@pytest.mark.parametrize(("key", "name"), [("largest_at", "at"), ("none_at", "none_at")])
+@pytest.mark.parametrize(
+    ("key", "name"), [("largest_at", "nut_angle_of_largest_ratio"), ("none_at", "nut_angle_without_contact")]
+)
 def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name: str) -> None:
     """A range that holds 126 or 306 deg reaches past every result: both events come earlier here than printed."""
     row = rows("lin-3.4.4")[key]

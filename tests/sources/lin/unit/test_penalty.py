@@ -18,9 +18,9 @@ def test_rigid_bodies_press_by_the_penalty_alone():
     x, y = (np.linspace(-a, a, 41) for a in reach)
     area = np.full(41 * 41, (x[1] - x[0]) * (y[1] - y[0]))
     gap = (x[:, None] ** 2 / (2.0 * radii[0]) + y[None, :] ** 2 / (2.0 * radii[1])).ravel()
-    pair = FlankPatches(SimpleNamespace(areas=area), None, np.zeros((gap.size, gap.size)), None)
+    pair = FlankPatches(SimpleNamespace(nodal_areas=area), None, np.zeros((gap.size, gap.size)), None)
     setup = CondensedGeometry.__new__(CondensedGeometry)
-    setup.__dict__.update(dict.fromkeys(CondensedGeometry.__dataclass_fields__), patches={0: pair})
+    setup.__dict__.update(dict.fromkeys(CondensedGeometry.__dataclass_fields__), patches_by_flank={0: pair})
     local = add_penalty_springs(setup, penalty).patches_by_flank[0].local_compliance
     force = solve_contacts_of_one_ball(
         ball_block_from_dense_matrix(local), gap - pressed, np.zeros(gap.size, dtype=bool)

@@ -24,7 +24,14 @@ pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 def one(value: float, computed: ComputedBand, **said: object) -> PublishedValue:
-    shared = {"quantity": "rigidity", "law": "law", "maker": "maker", "item": "item", "cls": "class", "origin": ""}
+    shared = {
+        "quantity": "rigidity",
+        "law": "law",
+        "maker": "maker",
+        "part": "part",
+        "kind_of_source": "class",
+        "origin": "",
+    }
     return PublishedValue(**shared, unit="N/um", value=value, rounding=0.5, computed=computed, **said)
 
 
