@@ -132,7 +132,7 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
             x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
             load = solve_screw_contact_loads(
-                replace(cell, ball_friction_forces=push, drag=drag),
+                replace(cell, ball_friction_forces=push, screw_friction_forces=drag),
                 (load.ball_displacements, load.inner_body_displacements),
             )
         start = moved.motion.unknown_velocities

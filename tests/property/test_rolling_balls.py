@@ -69,7 +69,7 @@ def test_turned_frame_changes_nothing():
     turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [-1.0, 0.3, 2.0], [0.4, 1.0, -2.0]]))[0]
     turn *= np.sign(np.linalg.det(turn))
     balls = tuple(
-        replace(b, touches=tuple(replace(t, contact_normal=turn @ t.contact_normal) for t in b.groove_contacts))
+        replace(b, groove_contacts=tuple(replace(t, contact_normal=turn @ t.contact_normal) for t in b.groove_contacts))
         for b in scene.balls
     )
     track = TrackMotion(turn @ scene.track.rotation_axis, turn @ scene.track.centre_velocity)
@@ -90,7 +90,7 @@ def test_left_hand_screw_is_the_mirror_image():
     balls = tuple(
         replace(
             b,
-            touches=tuple(
+            groove_contacts=tuple(
                 replace(t, contact_force=b.groove_contacts[k ^ 1].contact_force) for k, t in enumerate(b.groove_contacts)
             ),
         )
@@ -119,6 +119,8 @@ def test_rigid_limit_is_the_low_order_model():
 
 def test_a_ball_without_contacts_is_refused():
     scene = linear_pair()
-    bare = replace(scene.balls[0], touches=tuple(replace(t, contact_force=0.0) for t in scene.balls[0].groove_contacts))
+    bare = replace(
+        scene.balls[0], groove_contacts=tuple(replace(t, contact_force=0.0) for t in scene.balls[0].groove_contacts)
+    )
     with pytest.raises(ValueError, match="loaded contact"):
         solve_rolling(replace(scene, balls=(bare, scene.balls[1])), COARSE)

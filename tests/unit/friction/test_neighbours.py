@@ -34,7 +34,7 @@ def pushed():
 
 def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
     n = pushed.neighbour_friction
-    assert n.touching == 5
+    assert n.touching_pair_count == 5
     assert 0.0 <= n.least <= TOUCHING
     assert n.force.min() >= 0.0
     assert n.force.max() > 1e-3

@@ -227,7 +227,7 @@ def test_a_pushed_body_rests_below_the_limit_and_slides_above():
     assert held.sticking_contacts[0]
     assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
     assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
-    assert least_dissipation(replace(base, push=np.array([0.0, 12.0, 0.0]))).status == "failed"
+    assert least_dissipation(replace(base, other_forces=np.array([0.0, 12.0, 0.0]))).status == "failed"
 
 
 def test_root_finding_of_the_source():

@@ -119,7 +119,7 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)
     for s in wedged:
-        assert s.load.force[1].sum() == pytest.approx(wedged[0].load.force[1].sum(), rel=1e-6)
+        assert s.loads_with_friction.force[1].sum() == pytest.approx(wedged[0].loads_with_friction.force[1].sum(), rel=1e-6)
 
 
 def test_a_contact_past_the_apex_keeps_its_sign():

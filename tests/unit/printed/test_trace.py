@@ -33,7 +33,7 @@ def test_computation_resolves_to_a_function_and_a_test_file_that_asserts_every_e
     tree = ast.parse((ROOT / computation.test_file).read_text(encoding="utf-8"))
     (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")
     assert "check(key)" in ast.unparse(entry)
-    (marked,) = import_module(computation.test.removesuffix(".py").replace("/", ".")).test_entry.pytestmark
+    (marked,) = import_module(computation.test_file.removesuffix(".py").replace("/", ".")).test_entry.pytestmark
     assert set(keys(computation.table)) <= set(marked.args[1])
 
 

@@ -63,7 +63,7 @@ def motions(elastic, phi, amplitudes):
     """v0 + G phi + R a by whole matrices."""
     flanks = elastic.kernel_arrays.bodies
     v = flanks.v0 + flanks.R @ amplitudes
-    if flanks.second.size == 0:
+    if flanks.second_compliance.size == 0:
         return v + (flanks.first @ phi.ravel()).reshape(v.shape)
     for G, columns in ((flanks.first, slice(0, 4)), (flanks.second, slice(4, 8))):
         v[:, columns] += (G @ phi[:, columns].ravel()).reshape(-1, 4)

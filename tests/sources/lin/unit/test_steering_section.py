@@ -29,7 +29,9 @@ def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
         assert values.min() < 0.97 * printed
         assert values.max() > 1.3 * printed
         layouts = {
-            (p.pinion_restraint, p.opposed) for p, v in zip(points, values, strict=True) if abs(v / printed - 1.0) < 0.08
+            (p.pinion_restraint, p.side_forces_opposed)
+            for p, v in zip(points, values, strict=True)
+            if abs(v / printed - 1.0) < 0.08
         }
         assert len(layouts) >= 2
 
