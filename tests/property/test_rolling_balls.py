@@ -78,7 +78,7 @@ def test_turned_frame_changes_nothing():
         scene,
         balls=balls,
         track=track,
-        meetings=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.ball_radius),),
+        ball_to_ball_contacts=(ball_to_ball_contact(0, 1, (np.eye(3), np.eye(3)), line, track, scene.ball_radius),),
     )
     one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
     assert two.ball_to_ball_forces[0] == pytest.approx(one.ball_to_ball_forces[0], rel=1e-9)

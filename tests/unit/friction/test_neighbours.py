@@ -35,7 +35,7 @@ def pushed():
 def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
     n = pushed.neighbour_friction
     assert n.touching_pair_count == 5
-    assert 0.0 <= n.least <= TOUCHING
+    assert 0.0 <= n.smallest_gap <= TOUCHING
     assert n.force.min() >= 0.0
     assert n.force.max() > 1e-3
     assert n.force[-1] == 0.0, "the last ball of the loaded arc pushes none"

@@ -53,7 +53,7 @@ def fed(groove, load, oversize, mu, drive):
     bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
     at, scene = single(bare.load.force[0], bare.load.angle[0], groove), scene_of(groove)
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
-    centre = -groove.reach * turned.normals[..., [0, 2]]
+    centre = -groove.groove_ball_centre_distance * turned.normals[..., [0, 2]]
     place = positions_in_grooves(
         at, groove.contact_hertz_constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre
     )

@@ -87,7 +87,7 @@ class TestRecovered:
         """The field is the fine patch's; H of the coarser patch that is condensed in its stead, and the modes left out,
         change what the body adds little."""
         setup, meshes, _, forces, u, fields, _ = case
-        patch, body = setup.patches_by_flank[side].groove_patch, meshes.screw if side < 2 else meshes.nut
+        patch, body = setup.patches_by_flank[side].groove_patch, meshes.screw_mesh if side < 2 else meshes.nut_mesh
         mesh, steel = recovered.mesh_groove_patch(setup, meshes, side), setup.scene.screw.material
         fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
         nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact_nodes], patch.normals)
@@ -109,7 +109,7 @@ class TestRecovered:
         body = V @ (response.G @ (V.T @ np.concatenate([forces[s][0] for s in SIDES])))
         found, patches = [], []
         for s in SIDES:
-            mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches[s].ball.normals
+            mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches_by_flank[s].ball.normals
             fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
             nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact_nodes], normals)
             found.append(normalise_weight_rows(mesh.pressure_weights) @ nodal)
@@ -123,7 +123,7 @@ class TestRecovered:
             recovered.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, beyond)
         with pytest.raises(ValueError, match="got a force of 0 N"):
             recovered.pressure_from_nodal_forces(
-                setup.scene, setup.groove_map, 0, setup.patches[0].groove, 0.0 * forces[0][0]
+                setup.scene, setup.groove_map, 0, setup.patches_by_flank[0].groove, 0.0 * forces[0][0]
             )
         with pytest.raises(ValueError, match="ball 1 carries no load"):
             recovered.contact_pressures_of_ball(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))
@@ -139,7 +139,7 @@ class TestPressure:
     def test_adds_up_to_the_load_and_is_near_hertz(self, case, side):
         setup, _, result, forces, _, _, _ = case
         found = recovered.pressure_from_nodal_forces(
-            setup.scene, setup.groove_map, side, setup.patches_by_flank[side].groove, forces[side][0]
+            setup.scene, setup.groove_map, side, setup.patches_by_flank[side].groove_patch, forces[side][0]
         )
         assert found.pressure @ found.nodal_areas == pytest.approx(forces[side][0].sum(), rel=1e-12)
         assert found.load == pytest.approx(result.load[0, side], rel=1e-4)
@@ -150,7 +150,7 @@ class TestPressure:
         setup, _, _, forces, _, fields, ball = case
         for s in SIDES:
             h = recovered.pressure_from_nodal_forces(
-                setup.scene, setup.groove_map, s, setup.patches_by_flank[s].groove, forces[s][0]
+                setup.scene, setup.groove_map, s, setup.patches_by_flank[s].groove_patch, forces[s][0]
             ).hertz_solution
             depth = np.linspace(0.2, 1.6, 57) * min(h.semi_x, h.semi_y)
             expected = float(recovered.von_mises_below_hertz_contact(h, depth, 0.28).max())
@@ -170,7 +170,7 @@ class TestPressure:
         setup, _, result, forces, _, _, _ = case
         settings = replace(setup.mesh_settings, growth=2.5, ball_fine=1.2e-3, modes=12, ball_modes=12)
         found = recovered.contact_pressures_of_ball(
-            setup.scene, settings, 0, result.contact_loads[0], result.contact_angle[0]
+            setup.scene, settings, 0, result.contact_loads[0], result.contact_angles[0]
         )
         assert sorted(found) == list(SIDES)
         for s in SIDES:

@@ -36,7 +36,7 @@ def test_equal_rollers_are_pressed_once_with_the_largest_load(kind):
 def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
     bearing = tapered_bearing_of_row(kind.roller_row)
-    row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.roller_row, kind.load)
+    row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.roller_row, kind.largest_load)
     thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
     step = 1e-3

@@ -65,7 +65,7 @@ def motions(elastic, phi, amplitudes):
     v = flanks.v0 + flanks.R @ amplitudes
     if flanks.second_compliance.size == 0:
         return v + (flanks.first @ phi.ravel()).reshape(v.shape)
-    for G, columns in ((flanks.first, slice(0, 4)), (flanks.second, slice(4, 8))):
+    for G, columns in ((flanks.first_compliance, slice(0, 4)), (flanks.second, slice(4, 8))):
         v[:, columns] += (G @ phi[:, columns].ravel()).reshape(-1, 4)
     return v
 

@@ -39,7 +39,7 @@ from rollbench.compare.studies.sweep.keys import read_varied_keys
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 sweeping.LARGEST_BATCH, sweeping.BATCHES = 4, 1  # workers are in the midst of theirs when their run is killed
 text, vary = catalogue.shipped_scene_text({scene!r}), read_varied_keys({vary!r})
-what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
+what = sweeping.SweepDefinition(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
 def lines():

@@ -24,7 +24,7 @@ def test_forces_on_the_nodes_have_the_friction_of_each_contact_for_resultant(mu:
     forces[1, n:] = 0.0
     case = SlidingLoadCase.__new__(SlidingLoadCase)
     zones = (slice(0, n), 0), (slice(n, 2 * n), 3)
-    case.mu, case.sets = mu, [SimpleNamespace(setup=SimpleNamespace(groove_map=m), node_slices_of_flanks=zones)]
+    case.mu, case.sets = mu, [SimpleNamespace(geometry=SimpleNamespace(groove_map=m), node_slices_of_flanks=zones)]
     across = case.friction_as_normal_forces(SimpleNamespace(nodal_forces_by_set=[forces], contact_normals=[normals]))
     for ball, nodes in ((0, slice(0, n)), (0, slice(n, 2 * n)), (1, slice(0, n))):
         load = forces[ball, nodes] @ normals[ball, nodes]
