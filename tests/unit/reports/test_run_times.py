@@ -48,7 +48,8 @@ def test_what_is_saved_is_read_with_what_it_was_measured_with(tmp_path):
     now = measuring_conditions()
     assert str(replace(KEPT, measuring_conditions=now)).endswith("2026-01-02.")
     assert "not on the machine" in str(replace(KEPT, measuring_conditions=replace(now, machine="another")))
-    assert "before the last changes to the solvers" in str(replace(KEPT, measuring_conditions=replace(now, sources="another")))
+    other = replace(now, sources="another")
+    assert "before the last changes to the solvers" in str(replace(KEPT, measuring_conditions=other))
 
 
 def test_a_ratio_compares_the_same_work():
