@@ -44,8 +44,8 @@ def wrong(e):
         return [replace(e, holds=not e.holds)]
     step = 2.0 * p.tolerance or 1e-6 * abs(p.value)  # an exact number has no tolerance
     off = e.compared_value + math.copysign(step, e.compared_value - p.value)
-    others = [off] if p.cls != "band" else [p.low - step, p.high + step]
-    return [replace(e, **{"as_printed" if p.cls == "as-printed" else "value": other}) for other in others]
+    others = [off] if p.entry_class != "band" else [p.low - step, p.high + step]
+    return [replace(e, **{"as_printed" if p.entry_class == "as-printed" else "value": other}) for other in others]
 
 
 @pytest.mark.parametrize("source", ["external", "kalker", "lin", "liu", "smith"])
