@@ -90,14 +90,14 @@ class TestRecovered:
         patch, body = setup.patches_by_flank[side].groove_patch, meshes.screw_mesh if side < 2 else meshes.nut_mesh
         mesh, steel = recovered.mesh_groove_patch(setup, meshes, side), setup.scene.screw.material
         fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
-        nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact_nodes], patch.normals)
+        nodal = np.einsum("ck,ck->c", fields[side].displacements[mesh.contact_nodes], patch.normals)
         found = normalise_weight_rows(mesh.pressure_weights) @ nodal
-        c, s = np.cos(setup.layout.azimuth[0]), np.sin(setup.layout.azimuth[0])
-        trace = u[side][body.socket_nodes[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        c, s = np.cos(setup.ball_positions.azimuth[0]), np.sin(setup.ball_positions.azimuth[0])
+        trace = u[side][body.nodes_on_box_faces[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         assert relative(found, fine.A @ forces[side][0] + fine.H @ trace.ravel()) < 1e-7
         assert relative(patch.H @ trace.ravel(), fine.H @ trace.ravel()) < 2e-3
-        condensed = setup.screw if side < 2 else setup.nut
-        V = condensed.modes[side]
+        condensed = setup.condensed_screw if side < 2 else setup.condensed_nut
+        V = condensed.modes_by_flank[side]
         z = np.concatenate([V.T @ f for f in forces[side]])
         G = (condensed.stretch.F if side < 2 else condensed.G)[: V.shape[1], : z.size]
         assert relative(found, fine.A @ forces[side][0] + V @ (G @ z)) < 2e-3
@@ -109,9 +109,9 @@ class TestRecovered:
         body = V @ (response.G @ (V.T @ np.concatenate([forces[s][0] for s in SIDES])))
         found, patches = [], []
         for s in SIDES:
-            mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches_by_flank[s].ball.normals
+            mesh, normals = recovered.mesh_ball_patch(setup, meshes, s), setup.patches_by_flank[s].ball_patch.normals
             fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
-            nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact_nodes], normals)
+            nodal = np.einsum("ck,ck->c", ball[s].displacements[mesh.contact_nodes], normals)
             found.append(normalise_weight_rows(mesh.pressure_weights) @ nodal)
             patches.append(fine.A @ forces[s][0])
         assert relative(np.concatenate(found), np.concatenate(patches) + body) < 2e-3
@@ -123,10 +123,10 @@ class TestRecovered:
             recovered.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, beyond)
         with pytest.raises(ValueError, match="got a force of 0 N"):
             recovered.pressure_from_nodal_forces(
-                setup.scene, setup.groove_map, 0, setup.patches_by_flank[0].groove, 0.0 * forces[0][0]
+                setup.scene, setup.groove_map, 0, setup.patches_by_flank[0].groove_patch, 0.0 * forces[0][0]
             )
         with pytest.raises(ValueError, match="ball 1 carries no load"):
-            recovered.contact_pressures_of_ball(setup.scene, setup.settings, 0, np.zeros(4), np.zeros(4))
+            recovered.contact_pressures_of_ball(setup.scene, setup.mesh_settings, 0, np.zeros(4), np.zeros(4))
 
     def test_stress_fades_away_from_the_contact(self, case):
         setup, meshes, _, _, u, fields, _ = case
@@ -142,7 +142,7 @@ class TestPressure:
             setup.scene, setup.groove_map, side, setup.patches_by_flank[side].groove_patch, forces[side][0]
         )
         assert found.pressure @ found.nodal_areas == pytest.approx(forces[side][0].sum(), rel=1e-12)
-        assert found.load == pytest.approx(result.load[0, side], rel=1e-4)
+        assert found.load == pytest.approx(result.contact_loads[0, side], rel=1e-4)
         assert found.load == pytest.approx(found.pressure @ found.nodal_areas, rel=0.02)  # normals turn over the ellipse
         assert found.pressure.max() == pytest.approx(found.hertz_solution.pole_pressure, rel=0.10)
 
@@ -174,6 +174,8 @@ class TestPressure:
         )
         assert sorted(found) == list(SIDES)
         for s in SIDES:
-            whole = recovered.pressure_from_nodal_forces(setup.scene, setup.map, s, setup.patches[s].groove, forces[s][0])
+            whole = recovered.pressure_from_nodal_forces(
+                setup.scene, setup.groove_map, s, setup.patches_by_flank[s].groove_patch, forces[s][0]
+            )
             assert found[s].load == pytest.approx(whole.load, rel=1e-4)
             assert found[s].pressure.max() == pytest.approx(whole.pressure.max(), rel=0.05)

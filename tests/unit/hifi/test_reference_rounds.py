@@ -25,7 +25,7 @@ def test_a_helical_motion_of_the_screw_changes_no_load(small):
     np.testing.assert_allclose(result.contact_loads, at_rest.contact_loads, rtol=0, atol=1e-4 * at_rest.contact_loads.max())
     across = np.nan_to_num(result.contact_angles - at_rest.contact_angles)
     assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
-    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(small.map.alpha)
+    axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(small.groove_map.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
 
 
@@ -49,7 +49,7 @@ def test_a_command_whose_reference_does_not_settle_says_so_keeps_it_and_ends_wit
     """One update of directions and gaps does not settle these loads."""
     file, store = tmp_path / "two.toml", tmp_path / "store"
     file.write_text(own_text("two-balls-across"))
-    monkeypatch.setattr(setup, "mesh_and_condense_geometry", lambda *given, **_: replace(small, settings=given[2]))
+    monkeypatch.setattr(setup, "mesh_and_condense_geometry", lambda *given, **_: replace(small, mesh_settings=given[2]))
     for updates, code in ((1, 5), (reference.ROUNDS, 0)):
         monkeypatch.setitem(reference.solve_reference.__kwdefaults__, "updates", updates)
         ended, found = command.json("compare", file, "--levels", "1", "--fresh", "--store", store, "--json")

@@ -16,10 +16,10 @@ pytestmark = pytest.mark.xdist_group("helped by processes")
 def test_a_screw_without_its_3d_shaft_does_not_depend_on_which_flanks_bear(small):
     """The same bodies with their flanks named SR and NL."""
     named = {
-        "screw": replace(small.screw, modes={1: small.screw.modes[0]}),
-        "nut": replace(small.nut, modes={2: small.nut.modes[3]}),
+        "condensed_screw": replace(small.condensed_screw, modes_by_flank={1: small.condensed_screw.modes_by_flank[0]}),
+        "condensed_nut": replace(small.condensed_nut, modes_by_flank={2: small.condensed_nut.modes_by_flank[3]}),
     }
-    other = replace(small, sides=(1, 2), **named)
+    other = replace(small, loaded_flanks=(1, 2), **named)
     one, two = (coupling.compliance_of_supported_screw(s, small.scene, frozenset({"3D shaft"})) for s in (small, other))
     np.testing.assert_array_equal(one.G, two.G)
     shaft = coupling.compliance_of_supported_screw(small, small.scene).G
@@ -34,7 +34,7 @@ def test_balance_and_that_what_is_left_out_changes_the_answer(small):
     assert result.unbalanced_ball_force < 1e-8
     assert abs(result.unbalanced_force_along_groove) < 1e-3
     assert result.unbalanced_shaft_force < 1e-8
-    m = small.map
+    m = small.groove_map
     axial = result.contact_loads[:, 0] @ np.sin(result.contact_angles[:, 0]) * np.cos(m.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
     assert (result.contact_loads[:, [1, 2]] == 0.0).all()
@@ -79,7 +79,7 @@ def test_ball_errors_and_lost_contact(small):
 def test_a_lead_offset_is_the_pitch_error_of_the_nut_that_shifts_ball_2_alone(small):
     """The groove beyond the nut's centre, at ball 2, by 2 um; against a series that is zero at ball 1."""
     shift, errors = 2e-6, small.scene.errors
-    first, second = small.layout.azimuth - small.scene.nut.azimuth
+    first, second = small.ball_positions.azimuth - small.scene.nut.azimuth
     a, b = np.linalg.solve([[np.sin(x), np.cos(x)] for x in (first, second)], [0.0, shift])
     pitch = SideErrors(pitch=(FourierTerm(1.0, sin=float(a), cos=float(b)),), pitch_along="axis")
     scenes = [

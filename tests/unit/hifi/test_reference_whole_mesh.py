@@ -42,8 +42,8 @@ def whole(body, patches, material, held):
         C = sp.lil_matrix((3 * len(mesh.points), total))
         C[degrees_of_freedom_of_nodes(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
-        C[np.ix_(degrees_of_freedom_of_nodes(mesh.interface), degrees_of_freedom_of_nodes(nodes))] = (
-            sp.kron(mesh.tie, sp.identity(3)) @ turn
+        C[np.ix_(degrees_of_freedom_of_nodes(mesh.interface_nodes), degrees_of_freedom_of_nodes(nodes))] = (
+            sp.kron(mesh.interface_weights, sp.identity(3)) @ turn
         ).toarray()
         columns.append(C.tocsr())
         left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
@@ -57,28 +57,36 @@ def whole(body, patches, material, held):
 
 def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
-    body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
-    in_groove = partial(points_in_box_at_azimuth_zero, small.map, meshes.size, side)
-    place = ball_socket_and_map(small.map, meshes.size, side, meshes.zone)[1] if ball else in_groove
-    mesh = part_meshes.mesh_patch(meshes, body.sockets[side], place, SMALL)
-    carrier = part_meshes.mesh_coarser_patch(meshes, body.sockets[side], place, SMALL)
-    centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
+    body = meshes.ball_mesh if ball else meshes.screw_mesh if side < 2 else meshes.nut_mesh
+    in_groove = partial(points_in_box_at_azimuth_zero, small.groove_map, meshes.socket_size, side)
+    place = (
+        ball_socket_and_map(small.groove_map, meshes.socket_size, side, meshes.relative_zone_size)[1] if ball else in_groove
+    )
+    mesh = part_meshes.mesh_patch(meshes, body.box_faces[side], place, SMALL)
+    carrier = part_meshes.mesh_coarser_patch(meshes, body.box_faces[side], place, SMALL)
+    centre = np.zeros(3) if ball else np.array([small.groove_map.R, 0.0, 0.0])
     normals = (-1.0 if ball else 1.0) * part_meshes.contact_normals_of_patch(mesh, centre)
     return carrier, mean_normal_displacement_matrix(mesh, normals, carrier)
 
 
 def bodies(small, meshes):
     """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
-    out, scene, high = {}, small.scene, small.dims.ends(small.scene)[1]
+    out, scene, high = {}, small.scene, small.solid_dimensions.ends_of_meshed_screw(small.scene)[1]
     for name, side, mesh, material, held in (
         (
             "screw",
             0,
-            meshes.screw,
+            meshes.screw_mesh,
             scene.screw.material,
-            condensation.screw_freedoms_from_free_ones(meshes.screw, small.dims, high),
+            condensation.screw_freedoms_from_free_ones(meshes.screw_mesh, small.solid_dimensions, high),
         ),
-        ("nut", 3, meshes.nut, scene.nut.material, condensation.nut_freedoms_from_free_ones(meshes.nut, small.dims)),
+        (
+            "nut",
+            3,
+            meshes.nut_mesh,
+            scene.nut.material,
+            condensation.nut_freedoms_from_free_ones(meshes.nut_mesh, small.solid_dimensions),
+        ),
     ):
         groove, hats = patch(small, meshes, side)
         parts = [
@@ -86,61 +94,74 @@ def bodies(small, meshes):
             for s in sockets_at_contact_azimuths(mesh, sockets_of(scene, (side,)))
         ]
         out[name] = whole(mesh.mesh, parts, material, held)
-    parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
+    parts = [(*patch(small, meshes, s, ball=True), meshes.ball_mesh.nodes_on_box_faces[s], np.eye(3)) for s in (0, 3)]
     held, size = (
-        select_isostatic_freedoms(meshes.ball.points, np.concatenate([p[2] for p in parts])),
-        meshes.ball.mesh.doflocs.size,
+        select_isostatic_freedoms(meshes.ball_mesh.points, np.concatenate([p[2] for p in parts])),
+        meshes.ball_mesh.mesh.doflocs.size,
     )
     free = sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
-    return out | {"ball": whole(meshes.ball.mesh, parts, scene.balls.material, free)}
+    return out | {"ball": whole(meshes.ball_mesh.mesh, parts, scene.balls.material, free)}
 
 
 @pytest.fixture(scope="module")
 def meshes(small):
-    return part_meshes.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
+    return part_meshes.mesh_parts(
+        small.scene, small.groove_map, small.ball_positions, small.solid_dimensions, small.loaded_flanks, SMALL
+    )
 
 
 def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
     found = bodies(small, meshes)
-    A = {s: p.groove.A for s, p in small.patches.items()}
-    V = {0: small.screw.modes[0], 3: small.nut.modes[3]}
-    m = small.screw.stretch.modes
-    for name, side, G in (("screw", 0, small.screw.stretch.F[:m, :m]), ("nut", 3, small.nut.G)):
+    A = {s: p.groove_patch.A for s, p in small.patches_by_flank.items()}
+    V = {0: small.condensed_screw.modes_by_flank[0], 3: small.condensed_nut.modes_by_flank[3]}
+    m = small.condensed_screw.stretch.mode_count
+    for name, side, G in (("screw", 0, small.condensed_screw.stretch.F[:m, :m]), ("nut", 3, small.condensed_nut.G)):
         U = block_diag(V[side], V[side])
         wanted = block_diag(A[side], A[side]) + U @ G @ U.T
         np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
-    U = block_diag(*small.ball.modes.values())
-    wanted = block_diag(*(p.ball.A for p in small.patches.values())) + U @ small.ball.G @ U.T
+    U = block_diag(*small.condensed_ball.modes_by_flank.values())
+    wanted = block_diag(*(p.ball_patch.A for p in small.patches_by_flank.values())) + U @ small.condensed_ball.G @ U.T
     np.testing.assert_allclose(found["ball"], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
 def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     """Two balls, both bodies, same mesh, each contact's own compliance exchanged as submodels ask for, the grid's wave left
     in: loads with nothing condensed agree to 1e-10."""
-    small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
+    small = replace(
+        small, patches_by_flank={s: replace(pair, gap_correction=None) for s, pair in small.patches_by_flank.items()}
+    )
     found = bodies(small, meshes)
     sides = (0, 3)
     mounted = coupling.compliance_of_supported_screw(small, small.scene)
-    m = small.screw.stretch.modes
+    m = small.condensed_screw.stretch.mode_count
     placed_set = coupling.PlacedNut(small, small.scene, sides)
     C, rows = coupling.assemble_contact_compliance((placed_set,), mounted)
     pick = np.flatnonzero(rows < m)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.mode_compliance.shape[0],) * 2)
-    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[np.ix_(rows[pick], rows[pick])]
-    n = [len(small.patches[s].groove.A) for s in sides]
+    beam[np.ix_(pick, pick)] = (mounted.G - small.condensed_screw.stretch.F[:m, :m])[np.ix_(rows[pick], rows[pick])]
+    n = [len(small.patches_by_flank[s].groove_patch.A) for s in sides]
     U = np.zeros((2 * sum(n), len(beam)))
     for i, (V, c) in enumerate(zip(C.modes_by_ball, C.mode_slices_by_ball, strict=True)):
         U[i * sum(n) : (i + 1) * sum(n), c] = V
-    exchanged = block_diag(*(small.patches[s].local - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    exchanged = block_diag(
+        *(
+            small.patches_by_flank[s].local_compliance
+            - small.patches_by_flank[s].groove_patch.A
+            - small.patches_by_flank[s].ball_patch.A
+            for s in sides
+        )
+    )
     dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
     for name, hats in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
         rows_of_body = np.concatenate([i * sum(n) + np.arange(sum(n))[hats] for i in range(2)])
         dense[np.ix_(rows_of_body, rows_of_body)] += found[name]
-    normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
+    normals = np.concatenate(
+        [small.patches_by_flank[s].groove_patch.contact_points - [small.groove_map.R, 0, 0] for s in sides]
+    )
     length = np.linalg.norm(normals, axis=1)
-    mean = sp.block_diag([normalise_weight_rows(small.patches[s].groove.weights) for s in sides])
-    gap = np.tile(mean @ (length - small.map.ball), 2)
+    mean = sp.block_diag([normalise_weight_rows(small.patches_by_flank[s].groove_patch.pressure_weights) for s in sides])
+    gap = np.tile(mean @ (length - small.groove_map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
     by_screw = coupling.normal_motion_by_rigid_motions(placed_set, directions, mounted.origin_position, screw=True).reshape(
         -1, 6
@@ -168,21 +189,23 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
 
     Cells are wider here than the ellipse is thick.
     """
-    forces = {s: condensed.sampled_contact_forces(small, s) for s in small.sides}
+    forces = {s: condensed.sampled_contact_forces(small, s) for s in small.loaded_flanks}
     spreads = {s: condensed.hertz_shares_of_nodes(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
-        groove = small.patches[s].groove
-        nodal = normalise_weight_rows(groove.weights).T @ f
-        assert nodal @ (groove.normals @ ball_body.contact_frame_vectors(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
+        groove = small.patches_by_flank[s].groove_patch
+        nodal = normalise_weight_rows(groove.pressure_weights).T @ f
+        assert nodal @ (groove.normals @ ball_body.contact_frame_vectors(small.groove_map, s)[0]) == pytest.approx(
+            1.0, rel=1e-12
+        )
     found = condensed.collect_condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
-    again = {s: condensed.hertz_shares_of_nodes(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    again = {s: condensed.hertz_shares_of_nodes(small, s, x) for s, x in zip(small.loaded_flanks, middle, strict=True)}
     np.testing.assert_allclose(
         condensed.contact_compliance_of_bodies(small, again),
         condensed.contact_compliance_of_bodies(small, spreads),
         rtol=1e-12,
     )
-    for k, s in enumerate(small.sides):
+    for k, s in enumerate(small.loaded_flanks):
         loads = forces[s]
         assert found.force[k] == pytest.approx(loads, rel=1e-12)
         assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1

@@ -223,7 +223,8 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
         < 1e-9
     )
     bare = replace(
-        scene.balls[0], touches=tuple(replace(t, direction_to_groove_bottom=None) for t in scene.balls[0].groove_contacts)
+        scene.balls[0],
+        groove_contacts=tuple(replace(t, direction_to_groove_bottom=None) for t in scene.balls[0].groove_contacts),
     )
     with pytest.raises(ValueError, match="bottom"):
         solve_rolling(replace(scene, balls=(bare, scene.balls[1])), RollingSettings((6, 6), finite_bodies=COARSE))

@@ -193,7 +193,7 @@ def test_expected_contacts_of_one_set_are_those_of_its_scene():
         ({"thermal_strain": 1e-5}, "thermal expansion"),
         ({"sets": (ball_nut("a", 0.2, 0.0), ball_nut("b", 0.23, 0.0))}, "a and b overlap by 2 mm"),
         ({"sets": (replace(PAIR.sets[0], carrier="hub"),)}, "first: .* inner ring"),
-        ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "rollers"),
+        ({"sets": (replace(PAIR.sets[0], parts=ROLLERS),)}, "roller bearing"),
     ],
 )
 def test_what_has_no_3d_body_is_refused(change, why):

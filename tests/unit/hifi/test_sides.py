@@ -66,27 +66,27 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
     assert not is_left_flank_after_half_turn(m, right - 1)
     mirrored, direct = turn_patches_to_right_flank(found[right - 1]), found[right]
     body = meshes.screw_mesh if right < 2 else meshes.nut_mesh
-    np.testing.assert_array_equal(body.sockets[right].xi, body.sockets[right - 1].xi * AZIMUTH_TURNED)
-    for part in ("groove", "ball"):
+    np.testing.assert_array_equal(body.box_faces[right].xi, body.box_faces[right - 1].xi * AZIMUTH_TURNED)
+    for part in ("groove_patch", "ball_patch"):
         a, b = getattr(mirrored, part), getattr(direct, part)
-        for name in ("A", "H", "S", "normals", "areas"):
+        for name in ("A", "H", "S", "normals", "nodal_areas"):
             assert relative(getattr(a, name), getattr(b, name)) < 1e-8, (part, name)
-        np.testing.assert_allclose(a.points, b.points, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(a.socket, b.socket, rtol=0, atol=1e-12)
-        np.testing.assert_array_equal(a.rim, b.rim)
-        assert a.shape == b.shape
-        assert sp.linalg.norm(a.weights - b.weights) < 1e-9 * sp.linalg.norm(b.weights)
-    assert relative(mirrored.local_compliance, direct.local) < 5e-3
-    assert relative(found[right - 1].local, direct.local) > 1e-2  # not turned, nodes stand for others
+        np.testing.assert_allclose(a.contact_points, b.contact_points, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(a.socket_points, b.socket_points, rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(a.on_zone_edge, b.on_zone_edge)
+        assert a.contact_grid_shape == b.contact_grid_shape
+        assert sp.linalg.norm(a.pressure_weights - b.pressure_weights) < 1e-9 * sp.linalg.norm(b.pressure_weights)
+    assert relative(mirrored.local_compliance, direct.local_compliance) < 5e-3
+    assert relative(found[right - 1].local_compliance, direct.local_compliance) > 1e-2  # not turned, nodes stand for others
 
 
 def test_turning_twice_changes_nothing_and_other_radii_are_not_congruent(flanks):
     m, _, found = flanks
     back = turn_patches_to_right_flank(turn_patches_to_right_flank(found[0]))
     np.testing.assert_array_equal(back.local_compliance, found[0].local_compliance)
-    np.testing.assert_array_equal(back.groove_patch.H, found[0].groove.H)
-    np.testing.assert_array_equal(back.ball_patch.S, found[0].ball.S)
-    np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball.socket)
+    np.testing.assert_array_equal(back.groove_patch.H, found[0].groove_patch.H)
+    np.testing.assert_array_equal(back.ball_patch.S, found[0].ball_patch.S)
+    np.testing.assert_array_equal(back.ball_patch.socket_points, found[0].ball_patch.socket_points)
     assert not is_left_flank_after_half_turn(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
 
 
@@ -99,12 +99,12 @@ def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count
     patch = getattr(found[2], part)
     V, rows = contact_modes_of_patch(patch, count)
     assert V.shape[1] == count
-    centre = np.array([m.R, 0.0, 0.0]) if part == "groove" else np.zeros(3)
-    hats = normalise_weight_rows(patch.weights)
+    centre = np.array([m.R, 0.0, 0.0]) if part == "groove_patch" else np.zeros(3)
+    hats = normalise_weight_rows(patch.pressure_weights)
     reached = (V @ rows).reshape(len(V), -1, 3)
     assert np.abs(reached.sum(axis=1) - hats @ patch.normals).max() < 1e-12
-    moments = np.cross(patch.socket - centre, reached).sum(axis=1)
-    assert np.abs(moments).max() < 1e-12 * m.ball_patch
+    moments = np.cross(patch.socket_points - centre, reached).sum(axis=1)
+    assert np.abs(moments).max() < 1e-12 * m.ball
 
 
 @pytest.mark.parametrize("side", [0, 3])
@@ -114,10 +114,10 @@ def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(f
     _, _, found = flanks
     pair = found[side]
     np.testing.assert_array_equal(pair.local_compliance, pair.local_compliance.T)
-    assert np.linalg.eigvalsh(pair.local).min() > 0.0
-    held = pair.groove.A + pair.ball.A
-    force = normalise_weight_rows(pair.groove.weights).T @ pair.groove.areas
-    assert 1.0 < (force @ pair.local @ force) / (force @ held @ force) < 1.5
+    assert np.linalg.eigvalsh(pair.local_compliance).min() > 0.0
+    held = pair.groove_patch.A + pair.ball_patch.A
+    force = normalise_weight_rows(pair.groove_patch.pressure_weights).T @ pair.groove_patch.nodal_areas
+    assert 1.0 < (force @ pair.local_compliance @ force) / (force @ held @ force) < 1.5
 
 
 @pytest.mark.parametrize("side", [0, 2])
@@ -128,8 +128,8 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     body, steel = meshes.screw_mesh if side < 2 else meshes.nut_mesh, two_balls().balls.material
     mesh = mesh_patch(
         meshes,
-        body.sockets[side],
-        partial(points_in_box_at_azimuth_zero, m, meshes.size, side),
+        body.box_faces[side],
+        partial(points_in_box_at_azimuth_zero, m, meshes.socket_size, side),
         replace(SETTINGS, b_over_h=1.8),
     )
     normals = contact_normals_of_patch(mesh, np.array([m.R, 0.0, 0.0]))
@@ -145,7 +145,7 @@ def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
     taken = np.array([wave.interpolate(np.full(len(places), load), centres) for load in loads]).T
     before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
     assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
-    right = turn_patches_to_right_flank(replace(found[side], wave=wave)).gap_correction
+    right = turn_patches_to_right_flank(replace(found[side], gap_correction=wave)).gap_correction
     assert right.interpolate(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(
         taken[:, 0], rel=1e-9
     )

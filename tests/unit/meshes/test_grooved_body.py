@@ -28,19 +28,19 @@ def spec_of(case, sides, outer, size=SIZE, fine=2.0e-3, coarse=7e-3, half=20e-3)
 
 def outside(spec):
     """Boundary of the cylinder r = r_out."""
-    return "land" if spec.outer else "outside"
+    return "land" if spec.groove_outside else "outside"
 
 
 def on_surfaces(m, spec, points):
     """Distance [m] of points to the nearest of: cylinders, ends, groove flanks."""
     r, phi, z = np.hypot(points[:, 0], points[:, 1]), np.arctan2(points[:, 1], points[:, 0]), points[:, 2]
-    found = [np.abs(r - spec.r_in), np.abs(r - spec.r_out), np.abs(z - spec.z_low), np.abs(z - spec.z_high)]
+    found = [np.abs(r - spec.inner_radius), np.abs(r - spec.outer_radius), np.abs(z - spec.z_low), np.abs(z - spec.z_high)]
     zeta = z - m.z0 + m.rg * (m.phase - phi)
     if m.rg:
         pitch = 2.0 * np.pi * abs(m.rg) / m.starts
         zeta = zeta - pitch * np.round(zeta / pitch)
-    sides = (0, 1) if spec.outer else (2, 3)
-    found += [np.abs(m.section_to_polar(side, *m.roll(r, zeta))[1] - m.radius[side]) for side in sides]
+    sides = (0, 1) if spec.groove_outside else (2, 3)
+    found += [np.abs(m.section_to_polar(side, *m.unrolled_to_section(r, zeta))[1] - m.radius[side]) for side in sides]
     return np.min(found, axis=0)
 
 
@@ -48,29 +48,29 @@ def check_body(m, spec, mesh):
     """What every good mesh of a grooved body is: sound, closed, exact and congruent."""
     assert scaled_jacobians(mesh.mesh).min() > 0.005
     assert mesh.quality.smallest_jacobian > 0.01
-    assert (mesh.quality.cells, mesh.quality.nodes) == (len(mesh.cells), len(mesh.points))
-    assert mesh.deviation < 1e-12
+    assert (mesh.quality.cell_count, mesh.quality.node_count) == (len(mesh.cells), len(mesh.points))
+    assert mesh.flank_deviation < 1e-12
     faces, count = outer_faces(mesh.cells)
     assert count.max() == 2
     assert set(np.unique(mesh.cells)) == set(range(len(mesh.points)))
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [0, 2]]]), axis=1)
     assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
     # all of the surface's nodes lie exactly on it, but for the sockets' inner faces
-    assert len(mesh.socket_nodes) == len(spec.sockets)
-    assert len(np.unique(mesh.socket_nodes)) == mesh.socket_nodes.size
-    rest = np.setdiff1d(np.unique(faces), mesh.socket_nodes)
+    assert len(mesh.nodes_on_box_faces) == len(spec.contact_positions)
+    assert len(np.unique(mesh.nodes_on_box_faces)) == mesh.nodes_on_box_faces.size
+    rest = np.setdiff1d(np.unique(faces), mesh.nodes_on_box_faces)
     assert on_surfaces(m, spec, mesh.points[rest]).max() < 1e-11
     rows = np.sort(faces[:, :3], axis=1)
-    inner = {tuple(row) for row in rows[np.isin(rows, mesh.socket_nodes).all(axis=1)].tolist()}
-    for nodes, socket in zip(mesh.socket_nodes, spec.sockets, strict=True):
-        standard = mesh.sockets[socket[2]]
-        expected = points_in_refinement_box(m, spec.size, socket, standard.xi)
+    inner = {tuple(row) for row in rows[np.isin(rows, mesh.nodes_on_box_faces).all(axis=1)].tolist()}
+    for nodes, socket in zip(mesh.nodes_on_box_faces, spec.contact_positions, strict=True):
+        standard = mesh.box_faces[socket[2]]
+        expected = points_in_refinement_box(m, spec.refinement_box_size, socket, standard.xi)
         assert np.abs(mesh.points[nodes] - expected).max() < 1e-12 * m.R
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
         (nodes_on_boundaries(mesh.mesh, "low end"), mesh.points[:, 2] - spec.z_low),
         (nodes_on_boundaries(mesh.mesh, "high end"), mesh.points[:, 2] - spec.z_high),
-        (nodes_on_boundaries(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
+        (nodes_on_boundaries(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.outer_radius),
     ):
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
 
@@ -108,7 +108,7 @@ def channel_section(m, r_low, r_high, sides):
     zeta = np.linspace(-4e-3, 4e-3, 801)
     zeta = 0.5 * (zeta[1:] + zeta[:-1])
     rr, zz = np.meshgrid(r, zeta, indexing="ij")
-    x3, z3 = m.roll(rr, zz)
+    x3, z3 = m.unrolled_to_section(rr, zz)
     inside = np.all([np.hypot(x3 - m.centre[s, 0], z3 - m.centre[s, 1]) < m.radius[s] for s in sides], axis=0)
     return float((rr * inside).sum()) * (r[1] - r[0]) * (zeta[1] - zeta[0])
 
@@ -118,7 +118,7 @@ def test_volume_without_sockets(outer):
     """Over a whole pitch every azimuth meets the channel once: V = pi (r_out^2 - r_in^2) L - 2 pi int r dr dzeta."""
     case = small_screw(2, phase=0.3)
     m = GrooveMap.from_scene(case)
-    spec = replace(spec_of(case, (), outer, half=10e-3), coarse=2.2e-3)
+    spec = replace(spec_of(case, (), outer, half=10e-3), cell_size_far_away=2.2e-3)
     sides = (0, 1) if outer else (2, 3)
     channel = 2.0 * np.pi * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
     expected = np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * 20e-3 - channel
@@ -131,24 +131,24 @@ def test_bodies_are_sound_and_their_surfaces_flat_round_and_complete(body):
     check_body(*body)
     _, spec, mesh = body
     faces, _ = outer_faces(mesh.cells)
-    smooth, r = ("bore", spec.r_in) if spec.outer else ("outside", spec.r_out)
+    smooth, r = ("bore", spec.inner_radius) if spec.groove_outside else ("outside", spec.outer_radius)
 
     def area(name):
         return area_of(mesh.points, faces[np.isin(faces, nodes_on_boundaries(mesh.mesh, name)).all(axis=1)])
 
     assert area(smooth) == pytest.approx(2.0 * np.pi * r * (spec.z_high - spec.z_low), rel=0.03)
-    whole = np.pi * (spec.r_out**2 - spec.r_in**2)
+    whole = np.pi * (spec.outer_radius**2 - spec.inner_radius**2)
     for end, z in (("low end", spec.z_low), ("high end", spec.z_high)):
         assert np.abs(mesh.points[nodes_on_boundaries(mesh.mesh, end), 2] - z).max() < 1e-9
         assert 0.9 * whole < area(end) < 1.001 * whole
 
 
 UNFIT = [
-    (20e-3, {"size": replace(SIZE, phi=0.6)}, "refinement box"),
-    (20e-3, {"r_in": 13.9e-3, "sockets": ()}, "deeper than the wall.*change the bore"),
-    (20e-3, {"r_out": 13.5e-3, "sockets": ()}, "ends before its contact.*move the land"),
-    (0.0, {"z_low": 0.0995, "sockets": ()}, "only 20.5 mm: widen the ring"),
-    (5e-3, {"sockets": ()}, "next turn is 5 mm away: no land.*; raise the lead"),
+    (20e-3, {"refinement_box_size": replace(SIZE, phi=0.6)}, "refinement box"),
+    (20e-3, {"inner_radius": 13.9e-3, "contact_positions": ()}, "deeper than the wall.*change the bore"),
+    (20e-3, {"outer_radius": 13.5e-3, "contact_positions": ()}, "ends before its contact.*move the land"),
+    (0.0, {"z_low": 0.0995, "contact_positions": ()}, "only 20.5 mm: widen the ring"),
+    (5e-3, {"contact_positions": ()}, "next turn is 5 mm away: no land.*; raise the lead"),
 ]
 
 
@@ -265,7 +265,7 @@ def test_volume_with_sockets(body):
             for d in 1e-5 * np.eye(3)
         ]
         lost += float(w @ np.abs(np.linalg.det(np.stack(rows, -1) / 2e-5)))
-    sides = (0, 1) if spec.outer else (2, 3)
-    channels = 2.0 * 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
-    whole = np.pi * (spec.r_out**2 - spec.r_in**2) * 40e-3 - channels
+    sides = (0, 1) if spec.groove_outside else (2, 3)
+    channels = 2.0 * 2.0 * np.pi * channel_section(m, spec.inner_radius, spec.outer_radius, sides)
+    whole = np.pi * (spec.outer_radius**2 - spec.inner_radius**2) * 40e-3 - channels
     assert abs(volume_of(mesh) - (whole - lost)) < min(0.3 * lost, 0.03 * channels)
