@@ -36,14 +36,14 @@ def test_balls_push_move_alike_and_power_in_is_dissipation(pushed):
     n = pushed.neighbour_friction
     assert n.touching_pair_count == 5
     assert 0.0 <= n.smallest_gap <= TOUCHING
-    assert n.force.min() >= 0.0
-    assert n.force.max() > 1e-3
-    assert n.force[-1] == 0.0, "the last ball of the loaded arc pushes none"
-    assert n.power > 0.0
-    assert pushed.torque.input_power == pytest.approx(pushed.torque.power, rel=1e-8)
-    assert pushed.torque.power != pytest.approx(pushed.bare.power, rel=1e-6)
-    together, speeds = n.force[:-1] > 0.0, np.diff(pushed.balls.orbit)
-    assert np.abs(speeds[together]).max() < 1e-9 * np.abs(pushed.balls.orbit).max()
+    assert n.force_on_next_ball.min() >= 0.0
+    assert n.force_on_next_ball.max() > 1e-3
+    assert n.force_on_next_ball[-1] == 0.0, "the last ball of the loaded arc pushes none"
+    assert n.power_lost_between_balls > 0.0
+    assert pushed.friction_sums.input_power == pytest.approx(pushed.friction_sums.power, rel=1e-8)
+    assert pushed.friction_sums.power != pytest.approx(pushed.sums_without_feedback.power, rel=1e-6)
+    together, speeds = n.force_on_next_ball[:-1] > 0.0, np.diff(pushed.ball_friction.orbital_speed)
+    assert np.abs(speeds[together]).max() < 1e-9 * np.abs(pushed.ball_friction.orbital_speed).max()
     assert np.all(speeds[~together] > 0.0), "the others part"
 
 
