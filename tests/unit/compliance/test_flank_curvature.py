@@ -67,16 +67,16 @@ def test_own_slope_of_a_ball():
 
 def nominal_of(flank):
     """The nominal direction of its contacts."""
-    m = flank.map
-    return m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    m = flank.groove_map
+    return m.signs[flank.flank_number] * np.array([np.cos(m.beta), np.sin(m.beta)])
 
 
 def test_loads_along_the_normals_move_a_concave_flank_less(flank):
     """By (1 - 2 nu)/(8 pi G rho) and terms of the patch's width: mean of (1 - 2 nu) cos^2/(4 pi G rho) over a round one."""
     width = 0.12 * flank.groove_map.ball
-    grid = flank.grid()
+    grid = flank.finite_element_grid()
     line = grid.shape[1] - 1
-    load = nodal_forces_along_flank_normals(flank, grid, width, flank.contact()[1])
+    load = nodal_forces_along_flank_normals(flank, grid, width, flank.contact_position()[1])
     fixed = np.zeros((*grid.shape, 3))
     fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal_of(flank)
     change = patch_self_motion(flank, grid, symmetric_and_antisymmetric_loads(flank, grid, width), width)
