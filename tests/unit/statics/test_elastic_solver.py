@@ -64,8 +64,8 @@ def motions(elastic, phi, amplitudes):
     flanks = elastic.kernel_arrays.bodies
     v = flanks.v0 + flanks.R @ amplitudes
     if flanks.second_compliance.size == 0:
-        return v + (flanks.first @ phi.ravel()).reshape(v.shape)
-    for G, columns in ((flanks.first_compliance, slice(0, 4)), (flanks.second, slice(4, 8))):
+        return v + (flanks.first_compliance @ phi.ravel()).reshape(v.shape)
+    for G, columns in ((flanks.first_compliance, slice(0, 4)), (flanks.second_compliance, slice(4, 8))):
         v[:, columns] += (G @ phi[:, columns].ravel()).reshape(-1, 4)
     return v
 
@@ -73,7 +73,7 @@ def motions(elastic, phi, amplitudes):
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
     f, state = np.empty_like(v), ForceState(*(x.copy() for x in elastic.state))
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.given.contacts, state, f)
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.kernel_arrays.contacts, state, f)
     return energy, f, state
 
 
