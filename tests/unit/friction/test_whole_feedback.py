@@ -55,7 +55,10 @@ def fed(groove, load, oversize, mu, drive):
     turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
     centre = -groove.groove_ball_centre_distance * turned.normals[..., [0, 2]]
     place = positions_in_grooves(
-        at, groove.contact_hertz_constants.C[None, :], np.full((1, 4), groove.groove_ball_centre_distance - oversize), centre
+        at,
+        groove.contact_hertz_constants.C[None, :],
+        np.full((1, 4), groove.groove_ball_centre_distance - oversize),
+        centre,
     )
     return scene, solve_friction_equilibrium(scene, at, place, Friction(mu, mu), drive)
 

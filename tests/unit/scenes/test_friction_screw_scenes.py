@@ -180,7 +180,8 @@ def test_bearing_scene_is_the_library_s(tilt):
     found = answer.data
     assert answer.converged
     curves = [
-        bearing.torque_over_force_angles(make(tilt=tilt), scene.force_angles) for make in (four_point_bearing, double_row_bearing)
+        bearing.torque_over_force_angles(make(tilt=tilt), scene.force_angles)
+        for make in (four_point_bearing, double_row_bearing)
     ]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
