@@ -114,5 +114,5 @@ def test_experience_is_measured_and_kept(tmp_path) -> None:
     assert found.scenes == tuple(scenes)
     save_uncertainty_of_other_scenes(tmp_path, found)
     assert read_uncertainty_of_other_scenes(tmp_path) == found
-    with pytest.raises(ValueError, match="both flanks"):
+    with pytest.raises(ValueError, match="one loaded flank of the screw and one with both loaded"):
         derive_uncertainty_of_other_scenes({"one": scenes["one"]}, 0.02)
