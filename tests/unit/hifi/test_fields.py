@@ -121,7 +121,7 @@ class TestRecovered:
         beyond = small_screw(2, 0.2, load_at=0.19)
         with pytest.raises(ValueError, match="190 mm"):
             recovered.nodal_displacements_of_screw(setup, meshes.screw_mesh, forces, beyond)
-        with pytest.raises(ValueError, match="got a force of 0 N"):
+        with pytest.raises(ValueError, match="carries a force of 0 N"):
             recovered.pressure_from_nodal_forces(
                 setup.scene, setup.groove_map, 0, setup.patches_by_flank[0].groove_patch, 0.0 * forces[0][0]
             )

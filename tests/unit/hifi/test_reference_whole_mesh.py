@@ -33,7 +33,7 @@ def whole(body, patches, material, held):
     E, nu = material.youngs_modulus, material.poissons_ratio
     blocks, columns, loads = [assemble_constant_form(elasticity_form(E, nu), body)], [], []
     size = body.doflocs.size
-    inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
+    inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface_nodes) for p, *_ in patches]
     total = size + 3 * sum(len(i) for i in inner_of)
     columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
     start = size

@@ -111,7 +111,7 @@ def test_faces_divide_the_socket_s_triangles(kind):
 def test_boxes_that_cannot_be_meshed_are_refused():
     for zone in ((1.0, 0.2), (0.2, 0.0), (0.5, 1.2)):
         with pytest.raises(ValueError, match=r"half widths .* of the contact zone"):
-            mesh_patch_with_tetrahedra(replace(BOX, zone=zone))
+            mesh_patch_with_tetrahedra(replace(BOX, contact_zone_fractions=zone))
     for k in range(len(socket().triangles)):
         torn = replace(socket(), triangles=np.delete(socket().triangles, k, axis=0))
         with pytest.raises(ValueError, match="one open rim"):
