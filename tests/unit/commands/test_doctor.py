@@ -49,7 +49,7 @@ def test_a_package_that_cannot_be_imported_is_missing(monkeypatch: pytest.Monkey
     libraries.reason_of_failed_import.cache_clear()
     assert check.state == "missing"
     assert "RuntimeError: half installed" in check.found
-    assert "compare, mesh-study, sweep and the curve of solve write tables without figures" in check.effect
+    assert "compare, mesh-study, sweep and the curve of solve write tables without figures" in check.cost
 
 
 def test_every_requirement_of_the_package_is_looked_at() -> None:
