@@ -37,16 +37,18 @@ def test_low_order_laws_are_those_of_the_statics(kind):
     """One roller is a row of rollers under thrust over their number, at the cup's angle."""
     bearing = tapered_bearing_of_row(kind.roller_row)
     row, low = StraightTaperedRow(bearing), roller.approach_and_stiffness_by_laws(kind.roller_row, kind.largest_load)
-    thrust = kind.load * bearing.rollers * sin(bearing.cup_angle)
+    thrust = kind.largest_load * bearing.rollers * sin(bearing.cup_angle)
     assert low.approach == pytest.approx(row.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9)
     step = 1e-3
-    up, down = (roller.approach_and_stiffness_by_laws(kind.row, kind.load * (1.0 + s)) for s in (step, -step))
+    up, down = (
+        roller.approach_and_stiffness_by_laws(kind.roller_row, kind.largest_load * (1.0 + s)) for s in (step, -step)
+    )
     for approach, stiffness in (("approach", "stiffness"), ("norm_approach", "norm_stiffness")):
-        slope = 2.0 * step * kind.load / (getattr(up, approach) - getattr(down, approach))
+        slope = 2.0 * step * kind.largest_load / (getattr(up, approach) - getattr(down, approach))
         assert getattr(low, stiffness) == pytest.approx(slope, rel=1e-5)
-    crowned = replace(kind.row, crown=2.0)
+    crowned = replace(kind.roller_row, crown=2.0)
     sliced = SlicedTaperedRow(bearing, crowned.slices, circular_crown_profile(2.0))
-    assert roller.approach_and_stiffness_by_laws(crowned, kind.load).approach == pytest.approx(
+    assert roller.approach_and_stiffness_by_laws(crowned, kind.largest_load).approach == pytest.approx(
         sliced.deflection(thrust) * sin(bearing.cup_angle), rel=1e-9
     )
 
