@@ -66,7 +66,7 @@ def test_pair_scenes_are_the_library_s(case, reading):
         f"lin-screw-pair-{case}{'-inferred' if reading is screw_pair_with_inferred_oversize else ''}"
     )
     theirs = reading(np.radians(THETA[case]))
-    close(scene.ball_pair, theirs)
+    close(scene.pair, theirs)
     answer, r = solve_friction_of_single_parts(scene), solve_pair_of_screw_balls(theirs)
     found = answer.data
     assert answer.converged
@@ -175,13 +175,12 @@ def test_bearing_scene_is_the_library_s(tilt):
     scene = loaded("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
     close(scene.four_point, four_point_bearing(tilt=tilt))
     close(scene.double_row, double_row_bearing(tilt=tilt))
-    assert np.degrees(scene.force_angles) == pytest.approx([0.0, 2.0, 16.0, 18.0])
+    assert np.degrees(scene.angle) == pytest.approx([0.0, 2.0, 16.0, 18.0])
     answer = solve_friction_of_single_parts(scene)
     found = answer.data
     assert answer.converged
     curves = [
-        bearing.torque_over_force_angles(make(tilt=tilt), scene.force_angles)
-        for make in (four_point_bearing, double_row_bearing)
+        bearing.torque_over_force_angles(make(tilt=tilt), scene.angle) for make in (four_point_bearing, double_row_bearing)
     ]
     for name, curve in zip(("four_point", "double_row"), curves, strict=True):
         assert found[name]["friction_torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
