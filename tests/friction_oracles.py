@@ -126,7 +126,7 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
         if joint is not None and joint.reached_full_friction:
             push, drag = joint.ball_friction_forces, joint.screw_friction_forces
             load = solve_screw_contact_loads(
-                replace(cell, ball_friction_forces=push, drag=drag), (joint.ball_displacements, joint.screw_displacements)
+                replace(cell, ball_friction_forces=push, screw_friction_forces=drag), (joint.ball_displacements, joint.screw_displacements)
             )
         else:
             x = mixer.next_iterate(x, g)

@@ -41,7 +41,7 @@ def wrong(e):
     """A judged entry with other values: off by twice the tolerance, beyond the band on either side, not what is claimed."""
     p = e.printed
     if p.value is None:
-        return [replace(e, holds=not e.holds)]
+        return [replace(e, claim_is_true=not e.claim_is_true)]
     step = 2.0 * p.tolerance or 1e-6 * abs(p.value)  # an exact number has no tolerance
     off = e.compared_value + math.copysign(step, e.compared_value - p.value)
     others = [off] if p.entry_class != "band" else [p.low - step, p.high + step]
