@@ -125,9 +125,8 @@ def coupled_ball(cell: BallsBetweenGrooves, coupling: motion.Coupling = "ball an
         joint = solve_loads_and_motion(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
         if joint is not None and joint.reached_full_friction:
             push, drag = joint.ball_friction_forces, joint.screw_friction_forces
-            load = solve_screw_contact_loads(
-                replace(cell, ball_friction_forces=push, screw_friction_forces=drag), (joint.ball_displacements, joint.screw_displacements)
-            )
+            with_friction = replace(cell, ball_friction_forces=push, screw_friction_forces=drag)
+            load = solve_screw_contact_loads(with_friction, (joint.ball_displacements, joint.screw_displacements))
         else:
             x = mixer.next_iterate(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]

@@ -190,7 +190,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         assert np.all(np.abs(r[outer] - 4.005e-3) < 1e-8)
     for side, sign in (("SL", (-1, -1)), ("NR", (1, 1))):
         name = f"{'SCREW' if side[0] == 'S' else 'NUT'}_{side}_1"
-        corners = bodies[name.split("_")[0]].faces[name]
+        corners = bodies[name.split("_")[0]].face_sets[name]
         middle = bodies[name.split("_")[0]].points[corners].mean(axis=(0, 1))
         away = middle - [20e-3, 0.0, 7e-3]
         assert np.all(np.sign(away[[0, 2]]) == sign)
@@ -200,7 +200,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
     assert len(meshed.deck.contacts) == 8
     assert meshed.expected.shape == (scene.ball_count, 4)
     # elements are as fine as asked at the contacts
-    for corners in ball.faces.values():
+    for corners in ball.face_sets.values():
         x = ball.points[corners]
         middle = x.mean(axis=(0, 1))
         near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < meshed.fine
