@@ -195,7 +195,7 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         away = middle - [20e-3, 0.0, 7e-3]
         assert np.all(np.sign(away[[0, 2]]) == sign)
         assert np.linalg.norm(away) == pytest.approx(4e-3, rel=0.02)
-    bore = bodies["SCREW"].points[bodies["SCREW"].nodes["SCREW_BORE"]]
+    bore = bodies["SCREW"].points[bodies["SCREW"].node_sets["SCREW_BORE"]]
     np.testing.assert_allclose(np.hypot(*bore[:, :2].T), 11e-3, rtol=1e-9)
     assert len(meshed.deck.contacts) == 8
     assert meshed.expected.shape == (scene.ball_count, 4)
