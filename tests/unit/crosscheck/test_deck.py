@@ -197,8 +197,8 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
         assert np.linalg.norm(away) == pytest.approx(4e-3, rel=0.02)
     bore = bodies["SCREW"].points[bodies["SCREW"].node_sets["SCREW_BORE"]]
     np.testing.assert_allclose(np.hypot(*bore[:, :2].T), 11e-3, rtol=1e-9)
-    assert len(meshed.deck.contacts) == 8
-    assert meshed.expected.shape == (scene.ball_count, 4)
+    assert len(meshed.deck.contact_pairs) == 8
+    assert meshed.expected_loads.shape == (scene.ball_count, 4)
     # elements are as fine as asked at the contacts
     for corners in ball.face_sets.values():
         x = ball.points[corners]
