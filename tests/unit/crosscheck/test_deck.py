@@ -203,8 +203,8 @@ def test_whole_bodies_of_a_scene_as_fine_as_asked_at_the_contacts(meshed):
     for corners in ball.face_sets.values():
         x = ball.points[corners]
         middle = x.mean(axis=(0, 1))
-        near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < meshed.fine
-        assert np.median(np.linalg.norm(x[near, 0] - x[near, 1], axis=1)) < 1.6 * meshed.fine
+        near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < meshed.contact_element_size
+        assert np.median(np.linalg.norm(x[near, 0] - x[near, 1], axis=1)) < 1.6 * meshed.contact_element_size
 
 
 def test_what_a_deck_cannot_say_is_refused(tmp_path):
