@@ -82,7 +82,7 @@ def test_bad_mesh_is_refused_with_place_and_remedy_and_a_good_one_is_not(smalles
     bad = fem.MeshQuality(10, 20, smallest, 0.5, 4, (3e-3, 4e-3, 0.1))
     with pytest.raises(ValueError, match=r"screw: cell 4 of 10 at r = 5 mm, z = 100 mm.*inside out.*smaller element sizes"):
         fem.check_no_inverted_cells(bad, "screw")
-    fem.check_no_inverted_cells(replace(bad, smallest=0.06), "screw")
+    fem.check_no_inverted_cells(replace(bad, smallest_jacobian=0.06), "screw")
 
 
 def bent(by):
