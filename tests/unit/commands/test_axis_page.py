@@ -56,5 +56,5 @@ def test_load_cases_of_an_axis_are_on_its_page_and_side_by_side(folder):
 
 
 def test_a_reference_of_several_sets_is_refused(tmp_path):
-    with pytest.raises(ArgumentError, match="one set"):
+    with pytest.raises(ArgumentError, match="a single nut or bearing"):
         scene_page.solve_and_make_page(str(ON_A_SHAFT), STORES, Path(tmp_path / "any.csv"))

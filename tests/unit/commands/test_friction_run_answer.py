@@ -52,7 +52,7 @@ def test_error_of_the_steps_stands_in_every_result(answer):
     assert error["torque_percent"] > 0.0
     for name in ("mean", "most", "least"):
         assert 0.0 <= error[f"{name}_torque_percent"] < 1.0
-    assert "error of the steps" in answer.text
+    assert "error of the time steps" in answer.text
     assert "mean absolute error" in error["quantity"]
     # and steps are chosen where none are given
     found = solve_friction_of_screw_or_bearing(

@@ -48,7 +48,7 @@ killed = 0
 while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
-        sweeping.solve_missing_samples(what, folder, ComputingSettings(workers=workers), print)
+        sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
         os._exit(0)
     until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
     while lines() < min(until, {samples}):
@@ -61,7 +61,7 @@ while killed < kills and before < 0.7 * {samples}:  # at a random number of stor
     assert now >= before, (now, before)
     before = now
 assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
-sweeping.solve_missing_samples(what, folder, ComputingSettings(workers=workers), print)
+sweeping.solve_missing_samples(what, folder, ComputingSettings(parallel_jobs=workers), print)
 """
 
 
